@@ -9,7 +9,6 @@ mod chart;
 mod cheapest;
 mod findings;
 mod format;
-mod identity;
 mod inertia;
 mod metric;
 mod options;
@@ -32,12 +31,10 @@ mod text;
 
 pub use self::options::Cost;
 pub use self::properties::SceneProperties;
-use self::{analysis::Analysis, identity::identity_of, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
+use self::{analysis::Analysis, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
 use super::{
     command::{PetscOptions, SceneArguments, Study},
-    launcher::{Launcher, StudyFolder, sweep_out},
-    store::Store,
-    table::csv,
+    experiment::{Experiment, folder::sweep_out, start::Start, store::Identity, table::csv},
 };
 use crate::{
     error::{Error, Result},
@@ -63,21 +60,20 @@ impl Study<PetscOptions> for Cost {
         let metric = Metric::of(&options, scene)?;
         let ranges = ParameterRanges::of(&options, scene, metric.properties.radius)?;
         options.check_names(&ranges.methods)?;
-        let launcher = Launcher::new(&options.start.launcher, petsc)?;
-        let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into()))?;
-        let identity = identity_of(scene, metric.quantity, &options, petsc)?;
-        let store = Store::open(&folder.path, "cost.json", identity, options.fresh)?;
+        let start = Start { launcher: &options.start.launcher, petsc, ranks: options.ranks };
+        let identity = Identity::of_scene(scene, "quantity", metric.quantity, &start)?;
+        let folder = options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into());
+        let experiment = Experiment::open(&start, folder, "cost.json", identity, options.fresh)?;
         say(&format!("{}\nquantity: {}\n", scene.shown_title(), metric.words()))?;
-        let scratch = &folder.scratch;
-        let sweep = Sweep { options: &options, scene, metric, store, launcher, scratch, measured: Vec::new() };
-        let mut analysis = Analysis { times, sweep };
+        let mut analysis = Analysis { times, sweep: Sweep { options: &options, scene, metric, experiment, measured: Vec::new() } };
         let findings = analysis.findings(&ranges)?;
+        let experiment = &analysis.sweep.experiment;
         // a run that outlived the study which started it has made its folder anew
-        sweep_out(&folder.path);
-        analysis.sweep.store.write(Some(&findings))?;
+        sweep_out(&experiment.folder.path);
         let table = csv(&table::numbers(&findings));
-        folder.write(&[("cost.csv", table), ("cost.svg", chart::svg(&findings)), ("cost.html", page::html(&findings))])?;
-        say(&format!("\n{}\n\nfiles: {}: cost.json, cost.csv, cost.svg, cost.html", text::report(&findings), folder.path.display()))?;
+        let files = [("cost.csv", table), ("cost.svg", chart::svg(&findings)), ("cost.html", page::html(&findings))];
+        let written = experiment.write(Some(&findings), &files)?;
+        say(&format!("\n{}\n\n{written}", text::report(&findings)))?;
         options.apply.as_ref().map_or(Ok(()), |file| apply::apply(file, &whole, &findings))
     }
 }

@@ -4,8 +4,12 @@ use std::path::{Path, PathBuf};
 
 use super::{
     command::{PetscOptions, Study},
-    launcher::{Job, Launcher, Scratch, StartArguments, WITHOUT_PICTURE},
-    summary::RunSummary,
+    experiment::{
+        folder::Scratch,
+        launcher::{Job, Launcher, StartArguments, WITHOUT_PICTURE},
+        start::Start,
+        summary::RunSummary,
+    },
 };
 use crate::{
     error::Result,
@@ -48,7 +52,7 @@ impl Study<PetscOptions> for Inverses {
     const ABOUT: &'static str = "Run scenes with each inverse of the fluid that suits them and print what each costs";
 
     fn run(&self, petsc: &PetscOptions) -> Result<()> {
-        let launcher = Launcher::new(&self.start.launcher, petsc)?;
+        let launcher = Launcher::new(&Start { launcher: &self.start.launcher, petsc, ranks: 1 })?;
         let scenes = self.scenes.iter().map(|path| Scene::read(path, &self.overrides)).collect::<Result<Vec<_>>>()?;
         let methods = scenes.iter().map(methods).collect::<Result<Vec<_>>>()?;
         let folder = Path::new("out");

@@ -4,16 +4,13 @@ mod calibration;
 mod command;
 mod conditioning;
 mod cost;
+mod experiment;
 mod fit;
 mod forecast;
 mod inverses;
-mod launcher;
 mod registry;
 mod scaling;
-mod store;
-mod summary;
 mod sweep;
-mod table;
 mod validation;
 mod viscosity;
 

@@ -27,7 +27,11 @@ use self::{
 };
 use super::{
     command::{PetscOptions, SceneArguments, Study, positive},
-    launcher::{Job, Launcher, StartArguments, StudyFolder, WITHOUT_PICTURE},
+    experiment::{
+        folder::StudyFolder,
+        launcher::{Job, Launcher, StartArguments, WITHOUT_PICTURE},
+        start::Start,
+    },
 };
 use crate::{
     error::{Error, Result},
@@ -99,7 +103,7 @@ struct Measuring<'a, const D: usize> {
 impl<'a, const D: usize> Measuring<'a, D> {
     fn new(options: &'a Scaling, petsc: &PetscOptions, scene: Scene) -> Result<Measuring<'a, D>> {
         let ranks = rank_counts(&options.ranks)?;
-        let launcher = Launcher::new(&options.start.launcher, petsc)?;
+        let launcher = Launcher::new(&Start { launcher: &options.start.launcher, petsc, ranks: 1 })?;
         let workload = Workload::of(&scene)?;
         let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-scaling", scene.name).into()))?;
         let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));

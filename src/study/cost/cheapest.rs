@@ -93,7 +93,10 @@ impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::record::{Measured, Outcome, Record, tests::run};
+    use crate::study::{
+        cost::record::{Measured, Record, tests::run},
+        experiment::record::Outcome,
+    };
 
     fn records(errors: &[(f64, f64)]) -> Vec<Record> {
         let record = |&(cells, error): &(f64, f64)| Record {

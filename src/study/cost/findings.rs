@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     cheapest::Cheapest,
-    record::{Measured, Outcome, Record},
+    record::{Measured, Record},
     reference::Reference,
     sensitivity::Sensitivity,
     setting::{Resolution, Setting},
@@ -88,10 +88,7 @@ impl Point {
             error,
             within_uncertainty: error.is_some_and(|error| error.abs() <= uncertainty),
             measured: measured.map(|measured| Measured { values: Vec::new(), ..measured.clone() }),
-            remark: match &record.outcome {
-                Outcome::Measured(_) => None,
-                Outcome::Failed(reason) => Some(reason.clone()),
-            },
+            remark: record.failure().map(str::to_owned),
         }
     }
 

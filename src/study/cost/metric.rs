@@ -11,7 +11,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     output::Columns,
-    study::summary::RunSummary,
+    study::experiment::summary::{RunSummary, numbers},
 };
 
 /// A quantity of a scene.
@@ -84,12 +84,7 @@ impl Metric {
     }
 
     fn drag(&self, summary: &RunSummary) -> Option<Vec<f64>> {
-        let bodies = summary.0["bodies"].as_array()?;
-        let force = |body: usize| numbers(&bodies.get(body)?["force"]);
-        let counted = self.counted().into_iter().map(force).collect::<Option<Vec<_>>>()?;
-        let mean: Vec<f64> = (0..self.properties.dimension)
-            .map(|axis| counted.iter().map(|force| force[axis]).sum::<f64>() / counted.len() as f64)
-            .collect();
+        let mean = summary.mean_of_bodies("force", self.counted())?;
         let size = norm(&mean);
         size.is_finite().then_some(vec![size])
     }
@@ -160,7 +155,7 @@ fn differences(values: &[Vec<f64>], points: usize, dimension: usize) -> Vec<f64>
 
 /// Length of the vector at a place of a summary.
 fn magnitude(summary: &RunSummary, place: &str) -> Option<f64> {
-    numbers(summary.0.pointer(place)?).map(|vector| norm(&vector))
+    summary.vector(place).map(|vector| norm(&vector))
 }
 
 fn velocity(body: &Value) -> Option<Vec<f64>> {
@@ -168,10 +163,6 @@ fn velocity(body: &Value) -> Option<Vec<f64>> {
     let mut all = numbers(&body["velocity"])?;
     all.extend(numbers(&body["spin"])?.iter().map(|spin| spin * radius));
     Some(all)
-}
-
-fn numbers(value: &Value) -> Option<Vec<f64>> {
-    value.as_array()?.iter().map(Value::as_f64).collect()
 }
 
 /// Root of the sum of squares.

@@ -6,7 +6,7 @@ use crate::{
     error::{Error, Result},
     study::{
         command::{SceneArguments, count, positive},
-        launcher::StartArguments,
+        experiment::launcher::StartArguments,
     },
 };
 

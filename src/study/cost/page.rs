@@ -1,7 +1,7 @@
 //! `cost.html`: chart, table and sentences on one page that needs nothing else.
 
 use super::{chart, findings::Findings, sensitivity::ParameterChange, table, text};
-use crate::{output::escaped, study::table::Row};
+use crate::{output::escaped, study::experiment::table::Row};
 
 /// Light paper or dark, as the reader has it; the chart stays on light paper.
 const STYLE: &str = "\
@@ -79,11 +79,14 @@ fn parameters(findings: &Findings) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::{
-        findings::Point,
-        quantity::QuantityKind,
-        record::{Outcome, Record, tests::run},
-        setting::{Resolution, Setting},
+    use crate::study::{
+        cost::{
+            findings::Point,
+            quantity::QuantityKind,
+            record::{Record, tests::run},
+            setting::{Resolution, Setting},
+        },
+        experiment::record::Outcome,
     };
 
     fn findings() -> Findings {

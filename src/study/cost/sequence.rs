@@ -72,9 +72,12 @@ pub fn by_grid<T>(items: impl IntoIterator<Item = T>, setting: impl Fn(&T) -> &S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::{
-        record::{Outcome, tests::run},
-        setting::{Resolution, TimeStep},
+    use crate::study::{
+        cost::{
+            record::tests::run,
+            setting::{Resolution, TimeStep},
+        },
+        experiment::record::Outcome,
     };
 
     fn record(cells: f64, step: f64) -> Record {

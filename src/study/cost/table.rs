@@ -5,7 +5,7 @@ use super::{
     format::{percent, seconds, signed, thousands, two_digits},
     record::Measured,
 };
-use crate::study::table::{Row, number, quoted};
+use crate::study::experiment::table::{Row, number, quoted};
 
 /// The table of all settings for people.
 pub fn settings(findings: &Findings) -> Vec<Row<'_>> {

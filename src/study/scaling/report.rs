@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     output::{Chart, Scale},
-    study::table::csv,
+    study::experiment::table::csv,
 };
 
 /// All that the study found.

@@ -10,7 +10,7 @@ use super::{
 use crate::{
     error::Error,
     output::{ParallelSummary, Series, Spread},
-    study::table::{Row, markdown, number, quoted},
+    study::experiment::table::{Row, markdown, number, quoted},
 };
 
 /// Rows for rising numbers of ranks.

@@ -9,7 +9,7 @@ use crate::{
     scene::{AxisSection, Drive, Motion, Scene},
     study::{
         cost::SceneProperties,
-        summary::RunSummary,
+        experiment::summary::RunSummary,
         sweep::reading::{Over, Reading},
     },
 };
@@ -184,15 +184,12 @@ fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
 }
 
 fn drag(summary: &RunSummary, held: &[bool]) -> Option<f64> {
-    let bodies = summary.0["bodies"].as_array()?.iter().zip(held).filter(|(_, held)| **held);
-    let forces = bodies.map(|(body, _)| numbers(&body["force"])).collect::<Option<Vec<_>>>()?;
-    let mean = mean_vector(&forces)?;
+    let mean = summary.mean_of_bodies("force", (0..held.len()).filter(|&body| held[body]))?;
     Some(mean.iter().map(|part| part * part).sum::<f64>().sqrt())
 }
 
 fn settling_now(summary: &RunSummary, direction: &[f64]) -> Option<f64> {
-    let bodies = summary.0["bodies"].as_array()?.iter().map(|body| numbers(&body["velocity"]));
-    Some(along(direction, &mean_vector(&bodies.collect::<Option<Vec<_>>>()?)?))
+    Some(along(direction, &summary.mean_of_bodies("velocity", 0..summary.0["bodies"].as_array()?.len())?))
 }
 
 fn settled(direction: &[f64], series: &Columns) -> Option<Reading> {
@@ -203,15 +200,6 @@ fn settled(direction: &[f64], series: &Columns) -> Option<Reading> {
 
 fn along(direction: &[f64], vector: &[f64]) -> f64 {
     direction.iter().zip(vector).map(|(one, other)| one * other).sum()
-}
-
-fn mean_vector(vectors: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let first = vectors.first()?;
-    Some((0..first.len()).map(|axis| vectors.iter().map(|vector| vector[axis]).sum::<f64>() / vectors.len() as f64).collect())
-}
-
-fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
-    value.as_array()?.iter().map(serde_json::Value::as_f64).collect()
 }
 
 fn second_half(curve: &[(f64, f64)]) -> Option<f64> {

@@ -5,7 +5,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{reading::Reading, vary::Assignment};
-use crate::{output::checksum_of, study::store::Recorded};
+use crate::{
+    output::checksum_of,
+    study::experiment::{self, record::Outcome},
+};
 
 /// Most signs of the name of a folder, before what tells it apart.
 const LONGEST_NAME: usize = 120;
@@ -20,23 +23,7 @@ pub struct Setting {
 }
 
 /// A setting and what came of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// The setting.
-    pub setting: Setting,
-    /// What came of it.
-    pub outcome: Outcome,
-}
-
-/// What came of a setting.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// A run to its end.
-    Measured(Measured),
-    /// Why there is none.
-    Failed(String),
-}
+pub type Record = experiment::record::Record<Setting, Measured>;
 
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,29 +51,6 @@ impl Setting {
         let keep = |sign: char| if sign.is_ascii_alphanumeric() || ".,=+-".contains(sign) { sign } else { '_' };
         let name: String = plain.chars().map(keep).take(LONGEST_NAME).collect();
         if name == plain { name } else { format!("{name}-{:016x}", checksum_of(&plain)) }
-    }
-}
-
-impl Record {
-    /// The run, if it came to its end.
-    pub fn measured(&self) -> Option<&Measured> {
-        match &self.outcome {
-            Outcome::Measured(measured) => Some(measured),
-            Outcome::Failed(_) => None,
-        }
-    }
-}
-
-impl Recorded for Record {
-    type Setting = Setting;
-
-    fn setting(&self) -> &Setting {
-        &self.setting
-    }
-
-    /// Failures are tried again.
-    fn lasting(&self) -> bool {
-        self.measured().is_some()
     }
 }
 

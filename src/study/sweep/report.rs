@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     output::{Bar, Chart, Mark, Notes, Scale, Series},
-    study::{
+    study::experiment::{
         store::Store,
         table::{Row, csv, markdown, quoted},
     },

@@ -3,15 +3,11 @@
 use std::{fmt, fs, path::Path};
 
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
 use crate::{
     error::{Error, Result},
     output::{CurvePoint, MeanViscosity},
-    study::{
-        store::{Identity, Recorded},
-        summary::RunSummary,
-    },
+    study::experiment::{store::Recorded, summary::RunSummary},
 };
 
 /// A run: everything that decides what comes out.
@@ -63,11 +59,6 @@ impl Recorded for Record {
     }
 }
 
-/// What stands in `viscosity.json` beside the runs: those of another version are not taken.
-pub fn identity() -> Identity {
-    Identity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places: &[("/version", "the version of the program")] }
-}
-
 impl Measured {
     /// From the summary of a run and the series beside it.
     ///
@@ -101,11 +92,17 @@ impl fmt::Display for Setting {
     }
 }
 
+impl fmt::Display for Record {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {:.4}, {:.1} s", self.setting, self.measured.relative, self.measured.seconds)
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::study::store::Store;
+    use crate::study::experiment::store::{Identity, Store};
 
     #[test]
     fn a_study_goes_on_with_what_it_measured() {
@@ -113,7 +110,7 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         let setting = |seed| Setting { dimension: 2, fraction: 0.1, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let measured = Measured { relative: 1.25, mean: None, curve: vec![(0.0, 1.25), (0.1, 1.0 / 3.0)], seconds: 0.5 };
-        let open = |fresh| Store::<Record>::open(&folder, "viscosity.json", identity(), fresh);
+        let open = |fresh| Store::<Record>::open(&folder, "viscosity.json", Identity::of_version(), fresh);
         open(false).unwrap().add(Record { setting: setting(1), measured: measured.clone() }).unwrap();
         let store = open(false).unwrap();
         assert_eq!(store.find(&setting(1)).map(|record| &record.measured), Some(&measured));

@@ -5,8 +5,9 @@ use super::{
     record::{Measured, Record, Setting},
 };
 use crate::{
+    observe::statistics::{mean, standard_error},
     output::{Bar, Chart, Mark, Notes, Scale, Series},
-    study::{
+    study::experiment::{
         store::Store,
         table::{Row, csv, markdown},
     },
@@ -163,11 +164,13 @@ impl Report {
 
 impl Point {
     fn of(setting: &Setting, values: &[f64]) -> Point {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let error = (squares / (count * (count - 1.0))).sqrt();
-        Point { dimension: setting.dimension, fraction: setting.fraction, configurations: values.len(), mean, error }
+        Point {
+            dimension: setting.dimension,
+            fraction: setting.fraction,
+            configurations: values.len(),
+            mean: mean(values),
+            error: standard_error(values),
+        }
     }
 }
 
@@ -175,13 +178,13 @@ impl Point {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::study::viscosity::record::identity;
+    use crate::study::experiment::store::Identity;
 
     #[test]
     fn a_report_has_means_errors_and_charts_of_what_was_measured() {
         let folder = std::env::temp_dir().join(format!("turbid-viscosity-report-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let mut store = Store::open(&folder, "viscosity.json", identity(), true).unwrap();
+        let mut store = Store::open(&folder, "viscosity.json", Identity::of_version(), true).unwrap();
         let setting = |fraction, seed| Setting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let settings = [setting(0.1, 1), setting(0.1, 2), setting(0.3, 1), setting(0.1, 1).sheared(2.0), setting(0.4, 1)];
         for (setting, relative) in settings.iter().zip([1.2, 1.4, 2.0, 1.3]) {

@@ -8,10 +8,10 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use super::command::count;
+use super::{record::Outcome, start::Start};
 use crate::{
     error::{Error, Result},
-    output::{FolderLock, prepare_folder, write_whole},
+    study::command::count,
 };
 
 /// How runs are started, and how often.
@@ -31,73 +31,8 @@ pub const LAUNCHER: &str = "mpirun --oversubscribe -n {ranks}";
 /// Where the number of ranks goes in a launcher.
 const PLACE: &str = "{ranks}";
 
-/// How names of folders for runs begin.
-const RUNS: &str = "runs-";
-
 /// Leaves the picture out of a run; not for scalar scenes, which have none.
 pub const WITHOUT_PICTURE: &str = "output.picture=false";
-
-/// A folder for runs, which is removed in the end.
-pub struct Scratch(pub PathBuf);
-
-impl Scratch {
-    /// A new folder within `folder`, where all ranks of a cluster can read it.
-    ///
-    /// # Errors
-    /// It cannot be made.
-    pub fn within(folder: &Path) -> Result<Scratch> {
-        let scratch = Scratch(folder.join(format!("{RUNS}{}", std::process::id())));
-        prepare_folder(&scratch.0)?;
-        Ok(scratch)
-    }
-}
-
-/// The folder of a study's results, which no other study may use meanwhile, with one for its runs within it.
-pub struct StudyFolder {
-    /// Where it is.
-    pub path: PathBuf,
-    /// Where runs leave their output.
-    pub scratch: Scratch,
-    _lock: FolderLock,
-}
-
-impl StudyFolder {
-    /// Takes a folder, without what studies that were killed have left in it.
-    ///
-    /// # Errors
-    /// It cannot be written to, or another study holds it.
-    pub fn take(path: PathBuf) -> Result<StudyFolder> {
-        prepare_folder(&path)?;
-        let lock = FolderLock::take(&path)?;
-        sweep_out(&path);
-        Ok(StudyFolder { scratch: Scratch::within(&path)?, path, _lock: lock })
-    }
-
-    /// Writes files by name and contents.
-    ///
-    /// # Errors
-    /// One cannot be written.
-    pub fn write(&self, files: &[(&str, String)]) -> Result<()> {
-        files.iter().try_for_each(|(name, text)| write_whole(&self.path.join(name), text.as_bytes()))
-    }
-}
-
-/// Removes what studies that were killed have left within a folder; a run of theirs that is still under way fails.
-pub fn sweep_out(folder: &Path) {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let stale = entries.filter(|path| path.is_dir() && path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(RUNS)));
-    for path in stale {
-        // what cannot be removed now is only in the way
-        let _ = fs::remove_dir_all(path);
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        // what cannot be removed now is only in the way
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 /// What Open MPI asks of root.
 const AS_ROOT: [&str; 2] = ["OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"];
@@ -127,11 +62,12 @@ pub struct Job<'a> {
 }
 
 impl Launcher {
-    /// A launcher from its command line, in which `{ranks}` stands for the number of ranks.
+    /// A launcher from its command line.
     ///
     /// # Errors
-    /// [`Error::Refused`] if it has no place for the number.
-    pub fn new(command: &str, petsc: &[String]) -> Result<Launcher> {
+    /// [`Error::Refused`] if it has no place for the number of ranks.
+    pub fn new(start: &Start) -> Result<Launcher> {
+        let command = start.launcher;
         let words: Vec<String> = command.split_whitespace().map(str::to_owned).collect();
         if !words.iter().skip(1).any(|word| word.contains(PLACE)) {
             return Err(Error::refused(format!(
@@ -140,7 +76,7 @@ impl Launcher {
             )));
         }
         let program = std::env::current_exe().map_err(|source| Error::File { path: "turbid".into(), source })?;
-        Ok(Launcher { words, default: command == LAUNCHER, program, petsc: petsc.to_vec() })
+        Ok(Launcher { words, default: command == LAUNCHER, program, petsc: start.petsc.to_vec() })
     }
 
     /// Runs a scene; returns what `read` makes of the summary of the run in which it is fastest.
@@ -165,6 +101,14 @@ impl Launcher {
             };
         }
         Ok(Ok(best.expect("there is at least one run")))
+    }
+
+    /// As [`attempt`](Self::attempt), the failure in a line.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn outcome<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>, seconds: impl Fn(&T) -> f64) -> Result<Outcome<T>> {
+        Ok(self.attempt(job, read, seconds)?.map_or_else(|failure| Outcome::Failed(reason(&failure)), Outcome::Measured))
     }
 
     fn run<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<Result<T>> {
@@ -225,6 +169,13 @@ fn failure(ranks: usize, output: &Output) -> Error {
     if output.status.code() == Some(2) { Error::refused(text) } else { Error::Diverged(text) }
 }
 
+/// What a failed run said of itself.
+fn reason(failure: &Error) -> String {
+    let text = failure.to_string();
+    let own = text.split_once("turbid: ").map_or(text.as_str(), |(_, own)| own);
+    own.lines().collect::<Vec<_>>().join(" ")
+}
+
 fn own_words(output: &Output) -> String {
     let all = String::from_utf8_lossy(&output.stderr);
     all.lines().filter(|line| line.starts_with("turbid: ")).collect::<Vec<_>>().join("\n")
@@ -234,10 +185,15 @@ fn own_words(output: &Output) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::study::command::PetscOptions;
+
+    fn launcher(launcher: &str, petsc: &PetscOptions) -> Result<Launcher> {
+        Launcher::new(&Start { launcher, petsc, ranks: 1 })
+    }
 
     #[test]
     fn the_number_of_ranks_takes_its_place() {
-        let launcher = Launcher::new("srun --ntasks={ranks} -v", &["-log_view".into()]).unwrap();
+        let launcher = launcher("srun --ntasks={ranks} -v", &["-log_view".into()]).unwrap();
         let overrides = ["seed=2".to_owned(), WITHOUT_PICTURE.into()];
         let job = Job { scene: Path::new("a.toml"), overrides: &overrides, folder: Path::new("b"), ranks: 8, repeat: 1 };
         let command = launcher.command(&job);
@@ -248,9 +204,9 @@ mod tests {
 
     #[test]
     fn one_rank_is_started_as_it_is_unless_a_launcher_is_named() {
-        let first = |launcher: &str, ranks: usize| {
+        let first = |words: &str, ranks: usize| {
             let job = Job { scene: Path::new("a.toml"), overrides: &[], folder: Path::new("b"), ranks, repeat: 1 };
-            let command = Launcher::new(launcher, &[]).unwrap().command(&job);
+            let command = launcher(words, &[]).unwrap().command(&job);
             (command.get_program().to_owned(), command.get_args().next().unwrap().to_owned(), command.get_envs().count())
         };
         let program = std::env::current_exe().unwrap();
@@ -265,7 +221,7 @@ mod tests {
     #[test]
     fn a_launcher_needs_a_place_for_the_number() {
         for command in ["", "mpirun", "{ranks}", "mpirun -n 4"] {
-            assert!(Launcher::new(command, &[]).is_err_and(|error| error.to_string().contains("where the number of ranks goes")));
+            assert!(launcher(command, &[]).is_err_and(|error| error.to_string().contains("where the number of ranks goes")));
         }
     }
 }

@@ -31,6 +31,19 @@ impl RunSummary {
         self.get(place).unwrap_or(0.0)
     }
 
+    /// The list of numbers at a place.
+    pub fn vector(&self, place: &str) -> Option<Vec<f64>> {
+        numbers(self.0.pointer(place)?)
+    }
+
+    /// The mean of a vector of chosen bodies.
+    pub fn mean_of_bodies(&self, name: &str, chosen: impl IntoIterator<Item = usize>) -> Option<Vec<f64>> {
+        let bodies = self.0["bodies"].as_array()?;
+        let vectors = chosen.into_iter().map(|body| numbers(&bodies.get(body)?[name])).collect::<Option<Vec<_>>>()?;
+        let first = vectors.first()?;
+        Some((0..first.len()).map(|axis| vectors.iter().map(|vector| vector[axis]).sum::<f64>() / vectors.len() as f64).collect())
+    }
+
     /// Whether it is that of a run in time.
     pub fn in_time(&self) -> bool {
         !self.0["motion"].is_null()
@@ -69,6 +82,11 @@ impl RunSummary {
     pub fn memory_bytes(&self) -> f64 {
         self.number("/solver/peak_memory_bytes")
     }
+}
+
+/// The numbers of a list.
+pub fn numbers(value: &Value) -> Option<Vec<f64>> {
+    value.as_array()?.iter().map(Value::as_f64).collect()
 }
 
 #[cfg(test)]

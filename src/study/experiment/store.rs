@@ -7,8 +7,9 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use super::start::Start;
 use crate::{
     error::{Error, Result},
     output::{checksum_of, write_whole},
@@ -33,15 +34,39 @@ pub trait Recorded: Serialize + DeserializeOwned {
 pub struct Identity {
     /// What stands in the file beside the records.
     pub json: Value,
-    /// Places in it that must not differ, and what they are called.
-    pub places: &'static [(&'static str, &'static str)],
+    /// Places in it that must not differ, and what they are called; what is in none of the first is in the last.
+    pub places: Vec<(String, String)>,
 }
 
+impl Identity {
+    /// The version of the program alone.
+    pub fn of_version() -> Identity {
+        let places = vec![("/version".into(), VERSION.into())];
+        Identity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places }
+    }
+
+    /// The version of the program, the text of a scene with its overrides, a number that stands for the contents of the files that it names, a quantity or
+    /// several by this word, and how runs are started.
+    ///
+    /// # Errors
+    /// A file that the scene names cannot be read.
+    pub fn of_scene(scene: &Scene, word: &str, quantity: impl Serialize, start: &Start) -> Result<Identity> {
+        let Start { launcher, petsc, ranks } = start;
+        let json = json!({ "identity": {
+            "version": env!("CARGO_PKG_VERSION"), "scene": scene.text, "files": files_of(scene)?, word: quantity, "ranks": ranks, "launcher": launcher,
+            "petsc": petsc,
+        } });
+        let inside = [("version", VERSION), ("scene", "the scene"), ("files", "the files of the scene"), (word, &format!("the {word}"))];
+        let mut places: Vec<(String, String)> = inside.map(|(key, name)| (format!("/identity/{key}"), name.to_owned())).to_vec();
+        places.push(("/identity".into(), "how runs are started".into()));
+        Ok(Identity { json, places })
+    }
+}
+
+const VERSION: &str = "the version of the program";
+
 /// A number that stands for the contents of the files that a scene names.
-///
-/// # Errors
-/// One cannot be read.
-pub fn files_of(scene: &Scene) -> Result<u64> {
+fn files_of(scene: &Scene) -> Result<u64> {
     let mut hasher = DefaultHasher::new();
     for (_, _, path) in scene.tables() {
         fs::read(path).map_err(|source| Error::File { path: path.to_owned(), source })?.hash(&mut hasher);
@@ -84,6 +109,7 @@ fn sum_of(record: &Value) -> String {
 
 /// The records of a study and the file that holds them.
 pub struct Store<R> {
+    file: &'static str,
     path: PathBuf,
     identity: Value,
     records: Vec<R>,
@@ -94,7 +120,7 @@ impl<R: Recorded> Store<R> {
     ///
     /// # Errors
     /// [`Error::Refused`] if the folder holds another study, or a record that was altered, and nobody said `fresh`.
-    pub fn open(folder: &Path, file: &str, identity: Identity, fresh: bool) -> Result<Store<R>> {
+    pub fn open(folder: &Path, file: &'static str, identity: Identity, fresh: bool) -> Result<Store<R>> {
         let path = folder.join(file);
         let mut records = Vec::new();
         if path.exists() && !fresh {
@@ -104,7 +130,7 @@ impl<R: Recorded> Store<R> {
             let text = fs::read_to_string(&path).map_err(|source| Error::File { path: path.clone(), source })?;
             let foreign = |_| refuse(format!("its {file} is not one that this version wrote"));
             let saved: Saved = serde_json::from_str(&text).map_err(foreign)?;
-            let differs = |(place, _): &&(&str, &str)| saved.identity.pointer(place) != identity.json.pointer(place);
+            let differs = |(place, _): &&(String, String)| saved.identity.pointer(place) != identity.json.pointer(place);
             if let Some((_, name)) = identity.places.iter().find(differs) {
                 return Err(refuse(format!("holds a study that differs in {name}")));
             }
@@ -114,7 +140,12 @@ impl<R: Recorded> Store<R> {
             let all = saved.records.into_iter().map(serde_json::from_value).collect::<std::result::Result<Vec<R>, _>>().map_err(foreign)?;
             records = all.into_iter().filter(Recorded::lasting).collect();
         }
-        Ok(Store { path, identity: identity.json, records })
+        Ok(Store { file, path, identity: identity.json, records })
+    }
+
+    /// Name of the file.
+    pub fn file(&self) -> &'static str {
+        self.file
     }
 
     /// All records, in the order in which they were made.
