@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{
-    calibration::{self, Calibrated},
+    calibration::{self, Calibrated, RefinementSequence, Solved},
     finished::Finished,
     folder::RunFolder,
     options::Options,
@@ -26,7 +26,6 @@ use crate::{
     petsc::{Session, Stage, enter},
     plan::flow_solver,
     scene::{ContactModel, Scene},
-    study::{RefinementSequence, Solved},
 };
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.

@@ -1,12 +1,10 @@
 //! Studies: how solvers scale, how hard their systems are, how far known answers are met, and which setting meets an accuracy.
 
-mod calibration;
 mod command;
 mod conditioning;
 mod cost;
 mod experiment;
 mod fit;
-mod forecast;
 mod inverses;
 mod registry;
 mod scaling;
@@ -14,11 +12,9 @@ mod sweep;
 mod validation;
 mod viscosity;
 
-pub use calibration::{Answer, Calibration, Estimate, Quantity, RefinementLevel, RefinementSequence, Solved, coarsest};
 pub use command::{PetscOptions, SceneArguments, Study, StudyCommand, positive};
 pub use conditioning::Conditioning;
 pub use cost::Cost;
-pub use forecast::Forecast;
 pub use inverses::Inverses;
 pub use registry::{SelectedStudy, studies};
 pub use scaling::Scaling;

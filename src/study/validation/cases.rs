@@ -20,7 +20,7 @@ use super::{
     case::Case,
     solve::{solve, viscosity},
 };
-use crate::{error::Result, observe::Viscosity, petsc::Session, study::calibration::Answer};
+use crate::{error::Result, observe::Viscosity, petsc::Session, run::Answer};
 
 const SANGANI: &str = "Sangani & Acrivos 1982, recomputed";
 const ZICK: &str = "Zick & Homsy 1982, recomputed";

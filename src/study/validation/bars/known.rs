@@ -5,11 +5,9 @@ use std::path::Path;
 use crate::{
     error::{Error, Result},
     petsc::Session,
+    run::{Answer, Calibration, RefinementSequence},
     scene::Scene,
-    study::{
-        calibration::{Answer, Calibration, RefinementSequence},
-        validation::solve::solve,
-    },
+    study::validation::solve::solve,
 };
 
 /// A scene and what it must answer.

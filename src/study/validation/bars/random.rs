@@ -10,7 +10,7 @@ use super::{
 use crate::{
     error::Result,
     petsc::Session,
-    study::calibration::{Answer, Quantity},
+    run::{Answer, Quantity},
 };
 
 /// Cells per radius and order of the modes of the answers, in 2D and 3D: with films they are right to 1e-3, as twice the cells show.

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::known::KnownScene;
-use crate::study::calibration::{Answer, Quantity};
+use crate::run::{Answer, Quantity};
 
 /// Centres of the random cell.
 const RANDOM_CELL: &str = include_str!("../../../../examples/random30.csv");
