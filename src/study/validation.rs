@@ -9,15 +9,19 @@ mod channel;
 mod crowds;
 mod follow;
 mod inertia;
+mod known;
 mod oscillation;
+mod scenes;
 mod solve;
 
 use std::time::Instant;
 
 pub use self::{
-    bars::{Bar, KnownScene, known_scenes, random_scene},
+    bars::random_scene,
     case::Case,
     cases::cases,
+    known::{Bar, KnownScene},
+    scenes::known_scenes,
 };
 use super::command::Study;
 use crate::{

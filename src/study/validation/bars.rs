@@ -1,15 +1,13 @@
 //! Honest bars: scenes with known answers are solved to an accuracy, and the true error is held against the estimated one.
 
-mod known;
 mod random;
-pub mod scenes;
 
 use std::{ops::Range, time::Instant};
 
+pub use self::random::random_scene;
 use self::random::random_scene_in_space;
-pub use self::{
+use super::{
     known::{Bar, KnownScene},
-    random::random_scene,
     scenes::known_scenes,
 };
 use crate::{

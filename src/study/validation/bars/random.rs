@@ -1,16 +1,15 @@
 //! Scenes drawn at random, whose answers are solved for on a grid much finer than any that an accuracy of 1e-2 asks for.
 
+use std::f64::consts::PI;
+
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{
-    known::KnownScene,
-    scenes::{Lattice, with_films},
-};
 use crate::{
     error::Result,
     petsc::Session,
     run::{Answer, Quantity},
+    study::validation::known::KnownScene,
 };
 
 /// Cells per radius and order of the modes of the answers, in 2D and 3D: with films they are right to 1e-3, as twice the cells show.
@@ -85,7 +84,7 @@ fn solved(session: &Session, scene: KnownScene) -> Result<KnownScene> {
 fn lattice(seed: u64) -> KnownScene {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let kind = [Lattice::Simple, Lattice::BodyCentred, Lattice::FaceCentred][random.random_range(0..3)];
-    let array = kind.array(random.random_range(0.05..0.4), std::array::from_fn(|_| random.random_range(0.0..0.25)), 0.0);
+    let array = kind.array(random.random_range(0.05..0.4), std::array::from_fn(|_| random.random_range(0.0..0.25)));
     let scene = KnownScene { name: format!("{} {seed}", array.name), ..array };
     if random.random_bool(0.7) { with_films(scene) } else { scene }
 }
@@ -101,7 +100,7 @@ fn draw(seed: u64, solid: bool) -> KnownScene {
     let gap = if films { random.random_range(0.02..0.2) } else { random.random_range(0.15..0.4) };
     let large = if random.random_bool(0.3) && count > 2 { count / 3 } else { 0 };
     let radius: f64 = 1.4;
-    let (dimension, volume) = if solid { (3, 4.0 / 3.0 * std::f64::consts::PI) } else { (2, std::f64::consts::PI) };
+    let (dimension, volume) = if solid { (3, 4.0 / 3.0 * PI) } else { (2, PI) };
     let bodies = volume * ((count - large) as f64 + large as f64 * radius.powi(dimension));
     let side = (bodies / fraction).powf(1.0 / f64::from(dimension)).max(2.0 * radius + 0.6);
     let size = vec![format!("{side:.4}"); dimension as usize].join(", ");
@@ -119,4 +118,42 @@ fn draw(seed: u64, solid: bool) -> KnownScene {
     );
     let name = format!("{} {seed}: {count} at {fraction:.2}, gap {gap:.2}{}", kind.name, if films { ", films" } else { "" });
     KnownScene { name, text, answer: Answer { quantity: kind.quantity, values: Vec::new() } }
+}
+
+/// A cubic lattice.
+#[derive(Debug, Clone, Copy)]
+enum Lattice {
+    /// One sphere in its cell.
+    Simple,
+    /// Two.
+    BodyCentred,
+    /// Four.
+    FaceCentred,
+}
+
+impl Lattice {
+    fn places(self) -> (&'static str, &'static [[f64; 3]]) {
+        match self {
+            Lattice::Simple => ("simple cubic", &[[0.0, 0.0, 0.0]]),
+            Lattice::BodyCentred => ("body-centred cubic", &[[0.0, 0.0, 0.0], [0.5, 0.5, 0.5]]),
+            Lattice::FaceCentred => ("face-centred cubic", &[[0.0, 0.0, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]]),
+        }
+    }
+
+    /// Its fixed spheres at a fraction, the first at `corner`.
+    fn array(self, fraction: f64, corner: [f64; 3]) -> KnownScene {
+        let (name, places) = self.places();
+        let radius = (0.75 * (fraction / places.len() as f64) / PI).cbrt();
+        let centers: Vec<[f64; 3]> = places.iter().map(|place| std::array::from_fn(|axis| place[axis] + corner[axis])).collect();
+        let text = format!(
+            "[domain]\nsize = [1.0, 1.0, 1.0]\n[flow]\n{CROSS_FLOW_IN_SPACE}\n[method]\ninverse = \"auto\"\n\
+             [[bodies]]\nradius = {radius:?}\ncenters = {centers:?}\n{FIXED}\n"
+        );
+        KnownScene { name: format!("{name} array {fraction:.3}"), text, answer: Answer { quantity: Quantity::Drag, values: Vec::new() } }
+    }
+}
+
+/// A scene with lubrication.
+fn with_films(scene: KnownScene) -> KnownScene {
+    KnownScene { name: format!("{}, films", scene.name), text: format!("{}[lubrication]\nmodel = \"pairwise\"\n", scene.text), ..scene }
 }

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use super::solve::solve;
 use crate::{
     error::{Error, Result},
     petsc::Session,
-    run::{Answer, Calibration, RefinementSequence},
+    run::{Answer, Calibration, Quantity, RefinementSequence},
     scene::Scene,
-    study::validation::solve::solve,
 };
 
 /// A scene and what it must answer.
@@ -30,7 +30,21 @@ pub struct Bar {
     pub calibration: Calibration,
 }
 
+/// The quantity of a word.
+pub fn quantity_of(word: &str) -> Option<Quantity> {
+    serde_json::from_value(word.into()).ok()
+}
+
 impl KnownScene {
+    /// That of a file which begins with its name and has a line `#= QUANTITY NUMBERS..`; nothing without such a line.
+    pub fn parse(text: &str) -> Option<KnownScene> {
+        let name = text.lines().next()?.strip_prefix("# ")?.to_owned();
+        let mut words = text.lines().find_map(|line| line.strip_prefix("#= "))?.split(' ');
+        let quantity = quantity_of(words.next()?)?;
+        let values = words.map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
+        Some(KnownScene { name, text: text.to_owned(), answer: Answer { quantity, values } })
+    }
+
     /// The dimension of its space.
     pub fn dimension(&self) -> Result<usize> {
         Ok(self.read(1e-2)?.dimension())
