@@ -289,9 +289,9 @@ impl<'a, const D: usize> Run<'a, D> {
     fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &Evaluated<D>) -> Result<()>) -> Result<()> {
         let mut outputs = std::mem::take(&mut self.outputs);
         let seen = self.seen();
-        let told = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
+        let outcome = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
         self.outputs = outputs;
-        told
+        outcome
     }
 
     fn seen(&self) -> Evaluated<'_, D> {

@@ -29,20 +29,18 @@ mod sweep;
 mod table;
 mod text;
 
-pub use self::options::Cost;
+pub use self::options::CostStudy;
 pub use self::properties::SceneProperties;
 use self::{analysis::Analysis, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
-use super::{
-    command::{PetscOptions, SceneArguments, Study},
-    experiment::{Experiment, folder::sweep_out, start::Start, store::Identity, table::csv},
-};
+use super::command::{PetscOptions, SceneArguments, Study};
 use crate::{
     error::{Error, Result},
+    experiment::{Experiment, arguments::Start, folder::sweep_out, store::Identity, table::csv},
     output::say,
     scene::Scene,
 };
 
-impl Study<PetscOptions> for Cost {
+impl Study<PetscOptions> for CostStudy {
     const NAME: &'static str = "cost";
     const ABOUT: &'static str =
         "Error against seconds on a scene: every method on grids from coarse to fine, and the cheapest setting for a wanted error";
@@ -78,9 +76,9 @@ impl Study<PetscOptions> for Cost {
     }
 }
 
-impl Cost {
+impl CostStudy {
     /// Options whose runs end when they are told, and how many times as long the scene is.
-    fn shortened(&self, whole: &Scene) -> Result<(Cost, f64)> {
+    fn shortened(&self, whole: &Scene) -> Result<(CostStudy, f64)> {
         let Some(until) = self.until else { return Ok((self.clone(), 1.0)) };
         if whole.time.is_none() {
             return Err(Error::refused(format!("--until {until}: the scene is one instant; leave the flag out")));
@@ -90,6 +88,6 @@ impl Cost {
         }
         let overrides = [&self.scene.overrides[..], &[format!("time.end={until:?}")]].concat();
         let scene = SceneArguments { overrides, ..self.scene.clone() };
-        Ok((Cost { scene, ..self.clone() }, whole.end() / until))
+        Ok((CostStudy { scene, ..self.clone() }, whole.end() / until))
     }
 }

@@ -15,24 +15,22 @@ use std::path::{Path, PathBuf};
 
 use self::{
     keep::Keep,
-    quantity::Quantity,
-    record::{Measured, Record, Setting},
-    report::Report,
+    quantity::SweepQuantity,
+    record::{Measured, SweepRecord, SweepSetting},
+    report::SweepReport,
     vary::Vary,
 };
-use super::{
-    command::{PetscOptions, SceneArguments, Study, count},
+use super::command::{PetscOptions, SceneArguments, Study, count};
+use crate::{
+    error::{Error, Result},
     experiment::{
         Experiment,
+        arguments::Start,
         launcher::{Job, LAUNCHER, WITHOUT_PICTURE},
         record::Outcome,
-        start::Start,
         store::Identity,
         summary::RunSummary,
     },
-};
-use crate::{
-    error::{Error, Result},
     output::say,
     scene::{Placement, Scene},
 };
@@ -81,9 +79,9 @@ impl Study<PetscOptions> for ParameterSweep {
         let settings = self.settings(&scene, &keys)?;
         // a key that is misspelt is refused before anything is run
         let scenes = settings.iter().map(|setting| self.scene_of(setting)).collect::<Result<Vec<_>>>()?;
-        let quantities = Quantity::all(&self.quantity, &scenes[0])?;
+        let quantities = SweepQuantity::all(&self.quantity, &scenes[0])?;
         let start = Start { launcher: &self.launcher, petsc, ranks: self.ranks };
-        let names: Vec<String> = quantities.iter().map(Quantity::name).collect();
+        let names: Vec<String> = quantities.iter().map(SweepQuantity::name).collect();
         let identity = Identity::of_scene(&scene, "quantities", &names, &start)?;
         let folder = self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into());
         let mut experiment = Experiment::open(&start, folder, "sweep.json", identity, self.fresh)?;
@@ -92,9 +90,9 @@ impl Study<PetscOptions> for ParameterSweep {
         say(&format!("{}\n{}", scene.shown_title(), words.concat()))?;
         experiment.complete(&settings, |experiment, setting| {
             let outcome = self.measure(experiment, setting, &quantities)?;
-            Ok(Record { setting: setting.clone(), outcome })
+            Ok(SweepRecord { setting: setting.clone(), outcome })
         })?;
-        let report = Report::new(scene.shown_title(), names, &keys, &settings, &experiment.store);
+        let report = SweepReport::new(scene.shown_title(), names, &keys, &settings, &experiment.store);
         let written = experiment.write(Some(&report), &report.files())?;
         let kept = if self.keep == Keep::Nothing { String::new() } else { format!("; runs in {}", keep::FOLDER) };
         say(&format!("{}\n\n{written}{kept}", report.markdown()))?;
@@ -107,7 +105,7 @@ impl Study<PetscOptions> for ParameterSweep {
 
 impl ParameterSweep {
     /// Every run: seeds of a point next to each other.
-    fn settings(&self, scene: &Scene, keys: &[Vary]) -> Result<Vec<Setting>> {
+    fn settings(&self, scene: &Scene, keys: &[Vary]) -> Result<Vec<SweepSetting>> {
         let refuse = |reason: &str| Err(Error::refused(format!("--seeds {}: {reason}", self.seeds)));
         let seed_varies = keys.iter().any(|vary| vary.key == "seed");
         if self.seeds > 1 && seed_varies {
@@ -116,7 +114,7 @@ impl ParameterSweep {
         let random =
             |scene: &Scene| scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)));
         let points = vary::points(keys);
-        let setting = |point: &Vec<_>, seed| Setting { point: point.clone(), seed };
+        let setting = |point: &Vec<_>, seed| SweepSetting { point: point.clone(), seed };
         // what is wrong with a scene is told when all of them are read
         let differs = |point: &Vec<_>| self.scene_of(&setting(point, None)).map_or(true, |scene| random(&scene));
         if self.seeds > 1 && !points.iter().any(differs) {
@@ -126,15 +124,20 @@ impl ParameterSweep {
         Ok(points.iter().flat_map(|point| seeds().into_iter().map(move |seed| setting(point, seed))).collect())
     }
 
-    fn overrides(&self, setting: &Setting) -> Vec<String> {
+    fn overrides(&self, setting: &SweepSetting) -> Vec<String> {
         [&self.scene.overrides[..], &setting.overrides()].concat()
     }
 
-    fn scene_of(&self, setting: &Setting) -> Result<Scene> {
+    fn scene_of(&self, setting: &SweepSetting) -> Result<Scene> {
         Scene::read(&self.scene.scene, &self.overrides(setting))
     }
 
-    fn measure(&self, experiment: &Experiment<Record>, setting: &Setting, quantities: &[Quantity]) -> Result<Outcome<Measured>> {
+    fn measure(
+        &self,
+        experiment: &Experiment<SweepRecord>,
+        setting: &SweepSetting,
+        quantities: &[SweepQuantity],
+    ) -> Result<Outcome<Measured>> {
         let scene = &self.scene_of(setting)?;
         let picture = (!scene.scalar()).then(|| WITHOUT_PICTURE.to_owned());
         let overrides: Vec<String> = self.overrides(setting).into_iter().chain(picture).collect();

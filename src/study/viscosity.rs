@@ -11,22 +11,20 @@ mod scenes;
 
 use std::{fs, path::PathBuf};
 
-pub use self::record::Setting;
+pub use self::record::SuspensionSetting;
 use self::{
-    record::{Measured, Record},
-    report::Report,
+    record::{MeasuredViscosity, ViscosityRecord},
+    report::ViscosityReport,
 };
-use super::{
-    command::{PetscOptions, Study, count, positive},
-    experiment::{
-        Experiment,
-        launcher::{Job, LAUNCHER},
-        start::Start,
-        store::Identity,
-    },
-};
+use super::command::{PetscOptions, Study, count, positive};
 use crate::{
     error::{Error, Result},
+    experiment::{
+        Experiment,
+        arguments::Start,
+        launcher::{Job, LAUNCHER},
+        store::Identity,
+    },
     output::say,
 };
 
@@ -83,19 +81,19 @@ impl Study<PetscOptions> for ViscosityStudy {
         let mut experiment = Experiment::open(&start, self.out.clone(), "viscosity.json", Identity::of_version(), self.fresh)?;
         let settings = self.settings();
         experiment.complete(&settings, |experiment, setting| self.measure(experiment, setting))?;
-        let report = Report::new(&settings, &experiment.store);
+        let report = ViscosityReport::new(&settings, &experiment.store);
         say(&format!("{}\n{}", report.markdown(), experiment.write(None::<&()>, &report.files())?))
     }
 }
 
 impl ViscosityStudy {
-    fn measure(&self, experiment: &Experiment<Record>, setting: &Setting) -> Result<Record> {
+    fn measure(&self, experiment: &Experiment<ViscosityRecord>, setting: &SuspensionSetting) -> Result<ViscosityRecord> {
         let scratch = &experiment.folder.scratch.0;
         let (scene, out) = (scratch.join("scene.toml"), scratch.join("run"));
         fs::write(&scene, setting.scene()?).map_err(|source| Error::File { path: scene.clone(), source })?;
         let job = Job { scene: &scene, overrides: &[], folder: &out, ranks: self.ranks, repeat: 1 };
-        let measured = experiment.launcher.measure(&job, Measured::read, |measured| measured.seconds)?;
-        Ok(Record { setting: setting.clone(), measured })
+        let measured = experiment.launcher.measure(&job, MeasuredViscosity::read, |measured| measured.seconds)?;
+        Ok(ViscosityRecord { setting: setting.clone(), measured })
     }
 
     fn check(&self) -> Result<()> {
@@ -112,10 +110,10 @@ impl ViscosityStudy {
         }
     }
 
-    fn settings(&self) -> Vec<Setting> {
+    fn settings(&self) -> Vec<SuspensionSetting> {
         let mut settings = Vec::new();
         for &dimension in &self.dimensions {
-            let base = Setting {
+            let base = SuspensionSetting {
                 dimension,
                 fraction: self.sheared_fraction,
                 bodies: self.bodies.unwrap_or([64, 27][dimension - 2]),
@@ -126,7 +124,7 @@ impl ViscosityStudy {
             };
             for &fraction in &self.fractions {
                 let seeds = 1..=self.configurations as u64;
-                settings.extend(seeds.map(|seed| Setting { fraction, seed, ..base.clone() }));
+                settings.extend(seeds.map(|seed| SuspensionSetting { fraction, seed, ..base.clone() }));
             }
             if self.strain > 0.0 {
                 settings.push(base.sheared(self.strain));

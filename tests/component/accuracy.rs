@@ -8,7 +8,7 @@ use turbid::{
     petsc::Session,
     run::{Quantity, RefinementSequence},
     scene::Scene,
-    study::{KnownScene, known_scenes, random_scene},
+    validation::{KnownScene, known_scenes, random_scene},
 };
 
 use crate::Test;

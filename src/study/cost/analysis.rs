@@ -2,10 +2,10 @@
 
 use super::{
     cheapest::ErrorCriterion,
-    findings::{Findings, MethodFinding, Point},
+    findings::{Findings, MethodFinding, SettingFinding},
     format::percent,
     ranges::ParameterRanges,
-    record::{Measured, Record},
+    record::{CostRecord, Measured},
     reference::{Finest, Limit, Reference},
     sensitivity::Sensitivity,
     sequence::RefinementSequence,
@@ -135,7 +135,7 @@ impl Analysis<'_> {
         if records.iter().any(|record| record.measured().is_some()) {
             return Ok(());
         }
-        let reasons = records.iter().map(Record::to_string).collect::<Vec<_>>().join("\n");
+        let reasons = records.iter().map(CostRecord::to_string).collect::<Vec<_>>().join("\n");
         Err(Error::refused(format!("no setting could be measured:\n{reasons}")))
     }
 
@@ -205,10 +205,15 @@ impl Analysis<'_> {
         MethodFinding { order, seconds_exponent: seconds, cheapest: criterion.cheapest(&sequences).or_else(predicted), ..finding }
     }
 
-    fn point(&self, setting: &Setting, reference: Option<&Reference>) -> Option<Point> {
+    fn point(&self, setting: &Setting, reference: Option<&Reference>) -> Option<SettingFinding> {
         let record = self.sweep.experiment.store.find(setting)?;
         let error = |values: &[f64]| reference.map(|reference| self.sweep.metric.error(values, &reference.values));
-        Some(Point::of(record, self.sweep.metric.properties.radius, error, reference.map_or(0.0, |reference| reference.uncertainty)))
+        Some(SettingFinding::of(
+            record,
+            self.sweep.metric.properties.radius,
+            error,
+            reference.map_or(0.0, |reference| reference.uncertainty),
+        ))
     }
 
     /// A faster inverse that the runs could have taken.

@@ -6,19 +6,19 @@ use serde_json::Value;
 
 use super::{
     properties::SceneProperties,
-    quantity::{Quantity, QuantityKind},
+    quantity::{CostQuantity, QuantityKind},
 };
 use crate::{
     error::{Error, Result},
+    experiment::summary::{RunSummary, numbers},
     output::Columns,
-    study::experiment::summary::{RunSummary, numbers},
 };
 
 /// A quantity of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Metric {
     /// The quantity.
-    pub quantity: Quantity,
+    pub quantity: CostQuantity,
     /// The scene as it is.
     pub properties: SceneProperties,
 }
@@ -180,7 +180,7 @@ mod tests {
     }
 
     fn read(kind: QuantityKind, body: Option<usize>, summary: &RunSummary) -> Option<Vec<f64>> {
-        Metric { quantity: Quantity { kind, body, probe: None }, properties: properties() }.read(summary, Path::new("")).ok()
+        Metric { quantity: CostQuantity { kind, body, probe: None }, properties: properties() }.read(summary, Path::new("")).ok()
     }
 
     #[test]
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn positions_are_compared_across_the_sides_of_the_box() {
         let (_, properties) = suits("force = [1.0, 0.0]\n[time]\nend = 1\n");
-        let metric = |kind| Metric { quantity: Quantity { kind, body: None, probe: None }, properties: properties.clone() };
+        let metric = |kind| Metric { quantity: CostQuantity { kind, body: None, probe: None }, properties: properties.clone() };
         assert!((metric(QuantityKind::Position).error(&[3.9, 1.0], &[0.1, 1.0]) - 0.4).abs() < 1e-12, "0.2 are 0.4 radii");
         assert!((metric(QuantityKind::Drag).error(&[9.0], &[10.0]) + 0.1).abs() < 1e-12);
     }

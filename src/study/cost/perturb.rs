@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     error::Result,
+    experiment::record::Outcome,
     scene::{Scene, Tolerance},
-    study::experiment::record::Outcome,
 };
 
 impl Sweep<'_> {

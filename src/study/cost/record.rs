@@ -12,11 +12,11 @@ use super::{
 };
 use crate::{
     error::Result,
-    study::experiment::{self, record::Outcome, summary::RunSummary},
+    experiment::{self, record::Outcome, summary::RunSummary},
 };
 
 /// A setting and what came of it.
-pub type Record = experiment::record::Record<Setting, Measured>;
+pub type CostRecord = experiment::record::Record<Setting, Measured>;
 
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,17 +56,17 @@ pub struct Measured {
 fn inverse_alone<'de, S: Deserializer<'de>>(source: S) -> std::result::Result<Option<String>, S::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
-    enum Told {
+    enum Inverse {
         Name(String),
         WithSeconds((String, f64)),
     }
-    Ok(Option::deserialize(source)?.map(|told| match told {
-        Told::Name(name) | Told::WithSeconds((name, _)) => name,
+    Ok(Option::deserialize(source)?.map(|written| match written {
+        Inverse::Name(name) | Inverse::WithSeconds((name, _)) => name,
     }))
 }
 
 /// What a run came to, in a line.
-impl fmt::Display for Record {
+impl fmt::Display for CostRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match &self.outcome {
             Outcome::Failed(reason) => reason.clone(),
@@ -142,14 +142,12 @@ pub mod tests {
 
     use super::*;
     use crate::{
-        scene::Scene,
-        study::{
-            cost::setting::Resolution,
-            experiment::{
-                start::Start,
-                store::{Identity, Store},
-            },
+        experiment::{
+            arguments::Start,
+            store::{Identity, Store},
         },
+        scene::Scene,
+        study::cost::setting::Resolution,
     };
 
     /// A run with a value on a grid.
@@ -183,7 +181,7 @@ pub mod tests {
             let text = format!("title = {title:?}\ndomain.size = [1, 1]\nresolution.spacing = 0.1\n");
             let scene = Scene::parse("scene", Path::new(""), &text, &[]).unwrap();
             let start = Start { launcher: "srun -n {ranks}", petsc: &[], ranks: 1 };
-            Store::<Record>::open(&folder, "cost.json", Identity::of_scene(&scene, "quantity", "drag", &start).unwrap(), fresh)
+            Store::<CostRecord>::open(&folder, "cost.json", Identity::of_scene(&scene, "quantity", "drag", &start).unwrap(), fresh)
         };
         let mut store = open("one", false).unwrap();
         let measured: Measured = serde_json::from_str(
@@ -191,8 +189,8 @@ pub mod tests {
                 "steps": 0, "memory_bytes": 5, "faster": ["transform", 0.5], "wall_seconds": 4}"#,
         )
         .unwrap();
-        store.add(Record { setting: setting(4.0), outcome: Outcome::Measured(measured.clone()) }).unwrap();
-        store.add(Record { setting: setting(5.0), outcome: Outcome::Failed("no".into()) }).unwrap();
+        store.add(CostRecord { setting: setting(4.0), outcome: Outcome::Measured(measured.clone()) }).unwrap();
+        store.add(CostRecord { setting: setting(5.0), outcome: Outcome::Failed("no".into()) }).unwrap();
         let again = open("one", false).unwrap();
         assert_eq!(again.records().len(), 1);
         assert_eq!(again.find(&setting(4.0)).unwrap().measured(), Some(&measured));

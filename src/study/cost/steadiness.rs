@@ -8,7 +8,7 @@
 use std::path::Path;
 
 use super::{metric::Metric, quantity::QuantityKind};
-use crate::{error::Result, output::Columns, study::experiment::summary::RunSummary};
+use crate::{error::Result, experiment::summary::RunSummary, output::Columns};
 
 /// Ratio of the two deviations below which there is no decay.
 const SWINGS: f64 = 1.5;

@@ -4,23 +4,21 @@ use std::{fs, path::PathBuf, time::Instant};
 
 use super::{
     metric::Metric,
-    options::Cost,
+    options::CostStudy,
     properties::SceneProperties,
-    record::{Measured, Record},
+    record::{CostRecord, Measured},
     setting::{Setting, TimeStep, has_modes},
 };
 use crate::{
     error::Result,
+    experiment::{
+        Experiment,
+        launcher::{Job, WITHOUT_PICTURE},
+        record::Outcome,
+    },
     output::say,
     scene::Scene,
-    study::{
-        experiment::{
-            Experiment,
-            launcher::{Job, WITHOUT_PICTURE},
-            record::Outcome,
-        },
-        fit::Power,
-    },
+    study::fit::Power,
 };
 
 /// How seconds grow with the cells of a grid, at least and at most: in proportion, or with the iterations of a solver that feels the grid.
@@ -32,13 +30,13 @@ const NEGLIGIBLE: f64 = 5.0;
 /// The runs of a study.
 pub struct Sweep<'a> {
     /// What was asked for.
-    pub options: &'a Cost,
+    pub options: &'a CostStudy,
     /// The scene as runs have it.
     pub scene: &'a Scene,
     /// What is measured.
     pub metric: Metric,
     /// What runs them, and what was measured.
-    pub experiment: Experiment<Record>,
+    pub experiment: Experiment<CostRecord>,
     /// Settings of the sequences so far. What is affordable follows from these alone, so that a study that goes on decides as it did.
     pub measured: Vec<Setting>,
 }
@@ -71,10 +69,10 @@ impl Sweep<'_> {
     ///
     /// # Errors
     /// The run cannot be started, or its result cannot be written.
-    pub fn record(&mut self, setting: &Setting) -> Result<&Record> {
+    pub fn record(&mut self, setting: &Setting) -> Result<&CostRecord> {
         if self.experiment.store.find(setting).is_none() {
             let outcome = self.run(setting)?;
-            let record = Record { setting: setting.clone(), outcome };
+            let record = CostRecord { setting: setting.clone(), outcome };
             let progress = record.to_string();
             self.experiment.store.add(record)?;
             say(&progress)?;
@@ -139,7 +137,7 @@ impl Sweep<'_> {
             Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),
         };
         let (overrides, folder) = (self.overrides(setting), self.out());
-        let Cost { scene, ranks, start, .. } = self.options;
+        let CostStudy { scene, ranks, start, .. } = self.options;
         let job = Job { scene: &scene.scene, overrides: &overrides, folder: &folder, ranks: *ranks, repeat: start.repeat };
         let begin = Instant::now();
         let outcome = self.experiment.launcher.outcome(&job, |path| Measured::read(path, setting, &self.metric), Measured::seconds)?;

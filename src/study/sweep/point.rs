@@ -4,14 +4,14 @@ use serde::Serialize;
 
 use super::{
     reading::{Over, Reading},
-    record::{Measured, Record},
+    record::{Measured, SweepRecord},
     vary::Assignment,
 };
 use crate::observe::statistics::{mean, standard_error, student};
 
 /// What is known of a point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Point {
+pub struct SweepPoint {
     /// Keys with their values.
     pub point: Vec<Assignment>,
     /// The quantities, in the order of the command line.
@@ -45,18 +45,18 @@ pub struct Estimate {
     pub steady: usize,
 }
 
-impl Point {
+impl SweepPoint {
     /// Of its runs.
-    pub fn of(point: &[Assignment], names: &[String], records: &[&Record]) -> Point {
+    pub fn of(point: &[Assignment], names: &[String], records: &[&SweepRecord]) -> SweepPoint {
         let measured: Vec<&Measured> = records.iter().filter_map(|record| record.measured()).collect();
         let mean = |number: fn(&Measured) -> f64| known(mean(&measured.iter().map(|run| number(run)).collect::<Vec<_>>()));
         let estimate =
             |(place, name): (usize, &String)| Estimate::of(name, &measured.iter().map(|run| run.readings[place]).collect::<Vec<_>>());
-        let failure = |record: &&Record| {
+        let failure = |record: &&SweepRecord| {
             let reason = record.failure()?;
             Some(record.setting.seed.map_or(reason.to_owned(), |seed| format!("seed {seed}: {reason}")))
         };
-        Point {
+        SweepPoint {
             point: point.to_vec(),
             quantities: names.iter().enumerate().map(estimate).collect(),
             fraction: mean(|run| run.fraction),
@@ -100,16 +100,16 @@ fn known(number: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{experiment::record::Outcome, sweep::record::Setting};
+    use crate::{experiment::record::Outcome, study::sweep::record::SweepSetting};
 
-    fn record(seed: u64, reading: Option<Reading>) -> Record {
-        let setting = Setting { point: vec![("a".into(), "1".into())], seed: Some(seed) };
+    fn record(seed: u64, reading: Option<Reading>) -> SweepRecord {
+        let setting = SweepSetting { point: vec![("a".into(), "1".into())], seed: Some(seed) };
         let measured = |reading| Outcome::Measured(Measured { readings: vec![reading], fraction: 0.3, seconds: 2.0, folder: None });
-        Record { setting, outcome: reading.map_or(Outcome::Failed("no room".into()), measured) }
+        SweepRecord { setting, outcome: reading.map_or(Outcome::Failed("no room".into()), measured) }
     }
 
-    fn point(records: &[Record]) -> Point {
-        Point::of(&records[0].setting.point, &["viscosity".into()], &records.iter().collect::<Vec<_>>())
+    fn point(records: &[SweepRecord]) -> SweepPoint {
+        SweepPoint::of(&records[0].setting.point, &["viscosity".into()], &records.iter().collect::<Vec<_>>())
     }
 
     #[test]

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{reading::Reading, vary::Assignment};
 use crate::{
+    experiment::{self, record::Outcome},
     output::checksum_of,
-    study::experiment::{self, record::Outcome},
 };
 
 /// Most signs of the name of a folder, before what tells it apart.
@@ -15,7 +15,7 @@ const LONGEST_NAME: usize = 120;
 
 /// A run: what is set in the scene, and the seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct SweepSetting {
     /// Keys with their values.
     pub point: Vec<Assignment>,
     /// The seed; nothing where it is one of the keys.
@@ -23,7 +23,7 @@ pub struct Setting {
 }
 
 /// A setting and what came of it.
-pub type Record = experiment::record::Record<Setting, Measured>;
+pub type SweepRecord = experiment::record::Record<SweepSetting, Measured>;
 
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub struct Measured {
     pub folder: Option<String>,
 }
 
-impl Setting {
+impl SweepSetting {
     /// The overrides that make the scene this one.
     pub fn overrides(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
@@ -54,7 +54,7 @@ impl Setting {
     }
 }
 
-impl fmt::Display for Setting {
+impl fmt::Display for SweepSetting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let keys = self.point.iter().map(|(key, value)| format!("{key} = {value}"));
         let seed = self.seed.map(|seed| format!("seed {seed}"));
@@ -62,7 +62,7 @@ impl fmt::Display for Setting {
     }
 }
 
-impl fmt::Display for Record {
+impl fmt::Display for SweepRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.outcome {
             Outcome::Measured(Measured { readings, seconds, .. }) => {
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn folders_of_settings_have_names_of_their_own() {
-        let name = |value: &str, seed| Setting { point: vec![("a.0.b".into(), value.into())], seed }.folder_name();
+        let name = |value: &str, seed| SweepSetting { point: vec![("a.0.b".into(), value.into())], seed }.folder_name();
         assert_eq!(name("0.1", Some(3)), "a.0.b=0.1,seed=3");
         let odd = ["[0, -1]", "(0, -1)", "../../x", &"9".repeat(300), &"9".repeat(301)].map(|value| name(value, None));
         assert!(odd.iter().all(|name| name.len() < 140 && !name.contains('/') && !name.starts_with('.')), "{odd:?}");

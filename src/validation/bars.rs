@@ -103,8 +103,8 @@ mod tests {
     fn scenes_that_are_refused_are_counted_as_missed() {
         assert!(enough(11, 12) && !enough(10, 12) && !enough(0, 3) && !enough(0, 0));
         assert_eq!(verdict(0, 3, &mut []), "0 of 0 true errors lie inside their bars, 3 scenes are refused and hold nothing");
-        let told = verdict(2, 0, &mut [0.5, 0.25]);
-        assert_eq!(told, "2 of 2 true errors lie inside their bars; the median bar is 0.50 times the accuracy");
+        let words = verdict(2, 0, &mut [0.5, 0.25]);
+        assert_eq!(words, "2 of 2 true errors lie inside their bars; the median bar is 0.50 times the accuracy");
     }
 
     #[test]

@@ -3,12 +3,10 @@
 use crate::{
     error::Result,
     petsc::Session,
-    study::{
-        validation::{
-            case::Case,
-            solve::{solve, viscosity},
-        },
-        viscosity::Setting,
+    study::SuspensionSetting,
+    validation::{
+        case::Case,
+        solve::{solve, viscosity},
     },
 };
 
@@ -17,14 +15,14 @@ const EQUILIBRIUM: &str = "equilibrium disks, 40 configurations, exact series";
 /// A number of bodies at a fraction, on a grid.
 #[derive(Clone)]
 struct Ensemble {
-    setting: Setting,
+    setting: SuspensionSetting,
     configurations: u64,
     order: usize,
 }
 
 /// All cases; tolerances are three times the scatter of the mean of these configurations and that of the reference together.
 pub fn cases() -> Vec<Case> {
-    let setting = |dimension, fraction| Setting {
+    let setting = |dimension, fraction| SuspensionSetting {
         dimension,
         fraction,
         bodies: [64, 27][dimension - 2],
@@ -62,7 +60,7 @@ fn case(name: &'static str, source: &'static str, ensemble: Ensemble, reference:
 
 impl Ensemble {
     fn text(&self) -> String {
-        let Ensemble { setting: Setting { bodies, cells_per_radius, dimension, .. }, configurations, order } = self;
+        let Ensemble { setting: SuspensionSetting { bodies, cells_per_radius, dimension, .. }, configurations, order } = self;
         let letter = ["K", "L"][dimension - 2];
         format!("{configurations} times {bodies} bodies, a/h = {cells_per_radius}, {letter} = {order}")
     }
@@ -72,7 +70,7 @@ impl Ensemble {
         let overrides = [format!("resolution.modes={}", self.order), "method.tolerance=1e-5".into()];
         let mut sum = 0.0;
         for seed in 1..=self.configurations {
-            let text = session.world().agree(Setting { seed, ..self.setting.clone() }.scene())?;
+            let text = session.world().agree(SuspensionSetting { seed, ..self.setting.clone() }.scene())?;
             let (suspension, solution) = solve::<D>(session, &text, &overrides)?;
             sum += viscosity(&suspension, &solution)?.relative();
         }

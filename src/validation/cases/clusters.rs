@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Case;
-use crate::{error::Result, petsc::Session, study::validation::solve::solve};
+use crate::{error::Result, petsc::Session, validation::solve::solve};
 
 /// Mean velocity that images in a cubic lattice take from what a force moves, times viscosity and period over force (Hasimoto 1959).
 const HASIMOTO: f64 = 2.837297 / (6.0 * PI);

@@ -32,7 +32,7 @@ struct KnownSuspension {
 }
 
 /// What a solve gives and costs.
-struct Cost {
+struct SolveCost {
     viscosity: f64,
     iterations: usize,
     assembly: f64,
@@ -49,13 +49,13 @@ const SPHERES: KnownSuspension = KnownSuspension { dimension: 3, resolutions: SP
 const KNOWN: [KnownSuspension; 5] = [
     KnownSuspension {
         name: "1,000 disks, 0.5, many gaps near 0.01",
-        centers: include_str!("crowds/disks1000_050.csv"),
+        centers: include_str!("dense/disks1000_050.csv"),
         side: 79.2665459521,
         ..DISKS
     },
     KnownSuspension {
         name: "10,000 disks, 0.65, smallest gap 1.2e-3",
-        centers: include_str!("crowds/disks10000_065.csv"),
+        centers: include_str!("dense/disks10000_065.csv"),
         side: 219.84584296863,
         resolutions: &[(5.0, 3)],
         known: "47 iterations on such crowds (Broms, Tornberg, Barnett, arXiv 2606.11273)",
@@ -63,21 +63,21 @@ const KNOWN: [KnownSuspension; 5] = [
     },
     KnownSuspension {
         name: "125 spheres, 0.3, gap 0.1",
-        centers: include_str!("crowds/spheres125_030.csv"),
+        centers: include_str!("dense/spheres125_030.csv"),
         side: 12.0399806569,
         known: "2.774 by fast Stokesian dynamics",
         ..SPHERES
     },
     KnownSuspension {
         name: "125 spheres, 0.45, gap 0.01",
-        centers: include_str!("crowds/spheres125_045.csv"),
+        centers: include_str!("dense/spheres125_045.csv"),
         side: 10.5178918977,
         known: "7.773 by fast Stokesian dynamics",
         ..SPHERES
     },
     KnownSuspension {
         name: "1,000 spheres, 0.3, gap 0.1",
-        centers: include_str!("crowds/spheres1000_030.csv"),
+        centers: include_str!("dense/spheres1000_030.csv"),
         side: 24.0799613138,
         resolutions: &[(4.0, 3)],
         known: "2.791 by fast Stokesian dynamics",
@@ -90,7 +90,7 @@ struct Growth {
     dimension: usize,
     cells: f64,
     numbers: (&'static [usize], f64, f64),
-    crowds: (usize, &'static [(f64, &'static [f64])]),
+    suspensions: (usize, &'static [(f64, &'static [f64])]),
 }
 
 const GROWTH: [Growth; 2] = [
@@ -98,13 +98,13 @@ const GROWTH: [Growth; 2] = [
         dimension: 2,
         cells: 5.0,
         numbers: (&[100, 300, 1_000, 3_000, 10_000], 0.5, 0.01),
-        crowds: (1_000, &[(0.3, &[0.1, 1e-3]), (0.5, &[0.1, 1e-2, 1e-3, 1e-4]), (0.7, &[1e-2, 1e-4]), (0.8, &[1e-2, 1e-4])]),
+        suspensions: (1_000, &[(0.3, &[0.1, 1e-3]), (0.5, &[0.1, 1e-2, 1e-3, 1e-4]), (0.7, &[1e-2, 1e-4]), (0.8, &[1e-2, 1e-4])]),
     },
     Growth {
         dimension: 3,
         cells: 4.0,
         numbers: (&[30, 100, 300, 1_000, 2_000], 0.4, 0.01),
-        crowds: (250, &[(0.3, &[0.1, 1e-2, 1e-3, 1e-4]), (0.5, &[1e-2, 1e-4]), (0.6, &[1e-3])]),
+        suspensions: (250, &[(0.3, &[0.1, 1e-2, 1e-3, 1e-4]), (0.5, &[1e-2, 1e-4]), (0.6, &[1e-3])]),
     },
 ];
 
@@ -118,14 +118,14 @@ const MOST_BY_MULTIGRID: usize = 300;
 ///
 /// # Errors
 /// A crowd cannot be solved.
-pub fn crowds(session: &Session) -> Result<()> {
+pub fn dense_suspensions(session: &Session) -> Result<()> {
     let say = |text: &str| session.world().on_first_rank(|| say(text));
     say("| crowd | cells, modes | viscosity | iterations | seconds: assembly + solve | known |\n|-|-|-|-|-|-|")?;
     for known in &KNOWN {
         for &(cells, modes) in known.resolutions {
             let KnownSuspension { dimension, side, .. } = *known;
-            let crowd = DenseSuspension { dimension, side, bodies: centers(known.centers), cells, modes, inverse: "transform" };
-            let Cost { viscosity, iterations, assembly, solve } = crowd.solve(session)?;
+            let suspension = DenseSuspension { dimension, side, bodies: centers(known.centers), cells, modes, inverse: "transform" };
+            let SolveCost { viscosity, iterations, assembly, solve } = suspension.solve(session)?;
             say(&format!(
                 "| {} | {cells}, {modes} | {viscosity:.4} | {iterations} | {assembly:.2} + {solve:.2} | {} |",
                 known.name, known.known
@@ -140,7 +140,7 @@ pub fn crowds(session: &Session) -> Result<()> {
         for &count in numbers {
             say(&growth.row(session, count, fraction, gap)?)?;
         }
-        let (count, fractions) = growth.crowds;
+        let (count, fractions) = growth.suspensions;
         for (fraction, gaps) in fractions {
             for gap in *gaps {
                 say(&growth.row(session, count, *fraction, *gap)?)?;
@@ -161,13 +161,13 @@ impl Growth {
     fn row(&self, session: &Session, count: usize, fraction: f64, gap: f64) -> Result<String> {
         let volume = if self.dimension == 2 { std::f64::consts::PI } else { 4.0 / 3.0 * std::f64::consts::PI };
         let side = (count as f64 * volume / fraction).powf(1.0 / self.dimension as f64);
-        let crowd = |inverse| {
+        let suspension = |inverse| {
             let bodies = format!("count = {count}\ngap = {gap}");
             DenseSuspension { dimension: self.dimension, side, bodies, cells: self.cells, modes: MODES, inverse }
         };
-        let Cost { iterations, assembly, solve, .. } = crowd("transform").solve(session)?;
+        let SolveCost { iterations, assembly, solve, .. } = suspension("transform").solve(session)?;
         let by_multigrid = match count <= MOST_BY_MULTIGRID {
-            true => crowd("hypre").solve(session)?.iterations.to_string(),
+            true => suspension("hypre").solve(session)?.iterations.to_string(),
             false => "-".to_owned(),
         };
         let each = 1e3 * (assembly + solve) / count as f64;
@@ -179,7 +179,7 @@ impl Growth {
 }
 
 impl DenseSuspension {
-    fn solve(&self, session: &Session) -> Result<Cost> {
+    fn solve(&self, session: &Session) -> Result<SolveCost> {
         let scene = Scene::parse("crowd", Path::new("."), &self.text(), &[])?;
         match self.dimension {
             2 => cost::<2>(session, &scene),
@@ -197,7 +197,7 @@ impl DenseSuspension {
     }
 }
 
-fn cost<const D: usize>(session: &Session, scene: &Scene) -> Result<Cost> {
+fn cost<const D: usize>(session: &Session, scene: &Scene) -> Result<SolveCost> {
     let setup = session.world().agree(Setup::<D>::of(scene))?;
     let mut suspension = Suspension::new(session, setup)?;
     let start = Instant::now();
@@ -206,5 +206,5 @@ fn cost<const D: usize>(session: &Session, scene: &Scene) -> Result<Cost> {
     let viscosity = viscosity(&suspension, &solution)?.relative();
     let cost = suspension.cost();
     let assembly = session.world().max(cost.assembly);
-    Ok(Cost { viscosity, iterations: cost.krylov.iterations, assembly, solve: seconds - assembly })
+    Ok(SolveCost { viscosity, iterations: cost.krylov.iterations, assembly, solve: seconds - assembly })
 }

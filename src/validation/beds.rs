@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{
     case::Case,
-    crowds::centers,
+    dense::centers,
     solve::{solve, viscosity},
 };
 use crate::{error::Result, output::say, petsc::Session};

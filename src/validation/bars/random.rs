@@ -9,7 +9,7 @@ use crate::{
     error::Result,
     petsc::Session,
     run::{Answer, Quantity},
-    study::validation::known::KnownScene,
+    validation::known::KnownScene,
 };
 
 /// Cells per radius and order of the modes of the answers, in 2D and 3D: with films they are right to 1e-3, as twice the cells show.
@@ -92,8 +92,8 @@ fn lattice(seed: u64) -> KnownScene {
 /// The scene of a seed in the plane or in space, without resolution and answer.
 fn draw(seed: u64, solid: bool) -> KnownScene {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let kinds: &[FlowKind] = if solid { &SPACE } else { &PLANE };
-    let kind = &kinds[random.random_range(0..kinds.len())];
+    let flows: &[FlowKind] = if solid { &SPACE } else { &PLANE };
+    let kind = &flows[random.random_range(0..flows.len())];
     let films = random.random_bool(0.7);
     let count = if solid { random.random_range(2..=4) } else { random.random_range(2..=14) };
     let fraction = if solid { random.random_range(0.05..0.25) } else { random.random_range(0.1..0.42) };

@@ -2,23 +2,18 @@
 
 use clap::{ArgMatches, Command, FromArgMatches, Subcommand};
 
-use super::{
-    command::{PetscOptions, StudyCommand},
-    conditioning::Conditioning,
-    cost::Cost,
-    inverses::Inverses,
-    scaling::Scaling,
-    sweep::ParameterSweep,
+use crate::{
+    error::Result,
+    petsc::Session,
+    study::{Conditioning, CostStudy, Inverses, ParameterSweep, PetscOptions, Scaling, StudyCommand, ViscosityStudy},
     validation::Validation,
-    viscosity::ViscosityStudy,
 };
-use crate::{error::Result, petsc::Session};
 
 /// All of them; a new study is its file and a line here.
 pub fn studies() -> [StudyCommand; 7] {
     [
         StudyCommand::alone::<Scaling>(),
-        StudyCommand::alone::<Cost>(),
+        StudyCommand::alone::<CostStudy>(),
         StudyCommand::alone::<Inverses>(),
         StudyCommand::alone::<ViscosityStudy>(),
         StudyCommand::alone::<ParameterSweep>(),

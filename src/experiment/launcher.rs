@@ -8,11 +8,11 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-use super::{record::Outcome, start::Start};
-use crate::{
-    error::{Error, Result},
-    study::command::count,
+use super::{
+    arguments::{Start, count},
+    record::Outcome,
 };
+use crate::error::{Error, Result};
 
 /// How runs are started, and how often.
 #[derive(Debug, Clone, clap::Args)]
@@ -185,7 +185,7 @@ fn own_words(output: &Output) -> String {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::study::command::PetscOptions;
+    use crate::experiment::arguments::PetscOptions;
 
     fn launcher(launcher: &str, petsc: &PetscOptions) -> Result<Launcher> {
         Launcher::new(&Start { launcher, petsc, ranks: 1 })

@@ -3,10 +3,10 @@
 //! Every run is a program of its own, started by a launcher on any number of ranks, so that its memory and its failure are its own. All records are kept in one
 //! file after every run; an experiment that is started again measures only what is missing. What is concluded from the records is up to the studies.
 
+pub mod arguments;
 pub mod folder;
 pub mod launcher;
 pub mod record;
-pub mod start;
 pub mod store;
 pub mod summary;
 pub mod table;
@@ -16,9 +16,9 @@ use std::{fmt, path::PathBuf};
 use serde::Serialize;
 
 use self::{
+    arguments::Start,
     folder::StudyFolder,
     launcher::Launcher,
-    start::Start,
     store::{Identity, Recorded, Store},
 };
 use crate::{error::Result, output::note};

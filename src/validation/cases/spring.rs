@@ -1,7 +1,7 @@
 //! Two spheres on a spring beside the exact motion of two equal spheres along the line of their centres.
 
 use super::Case;
-use crate::{error::Result, petsc::Session, study::validation::follow::follow};
+use crate::{error::Result, petsc::Session, validation::follow::follow};
 
 /// Distance of the centres at the start and at rest, in radii.
 const DISTANCES: [f64; 2] = [3.0, 4.0];
@@ -13,9 +13,9 @@ pub fn case() -> Case {
         name: "way of two spheres on a spring",
         source: "Brenner 1961, two equal spheres",
         resolution: "a/h = 3, films, 40 steps".into(),
-        reference: exact_way(),
+        reference: exact_separation(),
         tolerance: 1e-2,
-        solve: Box::new(way),
+        solve: Box::new(separation),
     }
 }
 
@@ -37,7 +37,7 @@ fn resistance(distance: f64) -> f64 {
 }
 
 /// How far the spheres have gone apart, by the fourth-order method of Runge and Kutta.
-fn exact_way() -> f64 {
+fn exact_separation() -> f64 {
     let [start, rest] = DISTANCES;
     let (steps, rate) = (200, |distance: f64| 2.0 * (rest - distance) / resistance(distance));
     let step = END / f64::from(steps);
@@ -52,7 +52,7 @@ fn exact_way() -> f64 {
     distance - start
 }
 
-fn way(session: &Session) -> Result<f64> {
+fn separation(session: &Session) -> Result<f64> {
     let [start, rest] = DISTANCES;
     let size = [24.0, 20.0, 20.0];
     let centers = [-0.5, 0.5].map(|side| [0.5 * size[0] + side * start, 0.5 * size[1], 0.5 * size[2]]);

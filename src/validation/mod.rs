@@ -6,7 +6,7 @@ mod beds;
 mod case;
 mod cases;
 mod channel;
-mod crowds;
+mod dense;
 mod follow;
 mod inertia;
 mod known;
@@ -23,11 +23,11 @@ pub use self::{
     known::{Bar, KnownScene},
     scenes::known_scenes,
 };
-use super::command::Study;
 use crate::{
     error::{Error, Result},
     output::say,
     petsc::Session,
+    study::Study,
 };
 
 /// Which of the known answers to hold the program to.
@@ -46,14 +46,14 @@ pub struct Validation {
     #[arg(long, requires = "random")]
     pub space: bool,
     /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
-    #[arg(long, conflicts_with = "bars")]
-    pub crowds: bool,
+    #[arg(long = "crowds", conflicts_with = "bars")]
+    pub dense: bool,
     /// Measure drag, settling and viscosity of random beds with films instead, on coarse and on fine grids.
-    #[arg(long, conflicts_with_all = ["bars", "crowds"])]
+    #[arg(long, conflicts_with_all = ["bars", "dense"])]
     pub beds: bool,
     /// Follow bodies in flows with inertia instead: all cases, or those that are named.
     #[arg(long, value_enum, value_delimiter = ',', num_args = 0.., default_missing_values = inertia::NAMES, value_name = "CASES")]
-    #[arg(conflicts_with_all = ["bars", "crowds", "beds"])]
+    #[arg(conflicts_with_all = ["bars", "dense", "beds"])]
     pub inertia: Vec<inertia::Family>,
 }
 
@@ -69,8 +69,8 @@ impl Study<Session> for Validation {
             return beds::beds(session);
         }
         let random = self.random.map(|count| bars::RandomScenes { seeds: self.seed..self.seed + count, space: self.space });
-        let (kept, broken) = match (self.crowds, self.bars.is_empty()) {
-            (true, _) => return crowds::crowds(session),
+        let (kept, broken) = match (self.dense, self.bars.is_empty()) {
+            (true, _) => return dense::dense_suspensions(session),
             (_, true) => (table(session)?, "a case is further from its reference than promised"),
             _ => (bars::bars(session, &self.bars, random)?, "more than one error bar in twelve does not hold the true error"),
         };

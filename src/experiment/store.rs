@@ -9,7 +9,7 @@ use std::{
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 
-use super::start::Start;
+use super::arguments::Start;
 use crate::{
     error::{Error, Result},
     output::{checksum_of, write_whole},

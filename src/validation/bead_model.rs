@@ -10,12 +10,12 @@ const WAVES: i32 = 14;
 /// Images on each side.
 const IMAGES: i32 = 2;
 
-/// A straight chain of spheres of radius 1, `link` apart.
+/// A straight chain of spheres of radius 1, `distance` apart.
 pub struct BeadModel {
     /// How many.
     pub beads: usize,
     /// Distance of neighbours.
-    pub link: f64,
+    pub distance: f64,
 }
 
 /// A chain at which bending just balances the flow that presses it together.
@@ -28,7 +28,7 @@ pub struct Buckling {
 
 impl BeadModel {
     fn place(&self, bead: usize) -> f64 {
-        self.link * (bead as f64 - 0.5 * (self.beads - 1) as f64)
+        self.distance * (bead as f64 - 0.5 * (self.beads - 1) as f64)
     }
 
     fn matrix(&self, of: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
@@ -42,7 +42,7 @@ impl BeadModel {
 
     /// Forces across the chain over deflections, for `bend = 1`.
     fn stiffness(&self) -> DMatrix<f64> {
-        self.curvatures().transpose() * self.curvatures() / (2.0 * self.link * self.link)
+        self.curvatures().transpose() * self.curvatures() / (2.0 * self.distance * self.distance)
     }
 
     /// Deflections across a chain on which a unit force across it acts on each bead, in a periodic box, times `bend`.
@@ -68,7 +68,7 @@ impl BeadModel {
         let mut tension = 0.0;
         let tensions = DVector::from_fn(self.beads - 1, |rod, _| {
             tension += forces[rod];
-            tension / self.link
+            tension / self.distance
         });
         let pressed = -differences.transpose() * DMatrix::from_diagonal(&tensions) * &differences;
         // the lines between beads turn: forces along the chain push across it
@@ -111,8 +111,8 @@ fn periodic_mobility(separation: Vector3<f64>, size: &Vector3<f64>) -> Matrix3<f
         let factor = (1.0 - square / 3.0) * (1.0 + part + 2.0 * part * part) * 6.0 * PI / square * (-part).exp() / volume;
         (Matrix3::identity() - wave * wave.transpose() / square) * (factor * wave.dot(&separation).cos())
     });
-    let images = lattice(IMAGES).map(|place| separation + place.component_mul(size)).filter(|way| way.norm() > 1e-9).map(|way| {
-        let (r, e) = (way.norm(), splitting);
+    let images = lattice(IMAGES).map(|place| separation + place.component_mul(size)).filter(|image| image.norm() > 1e-9).map(|image| {
+        let (r, e) = (image.norm(), splitting);
         let (gauss, rest) = ((-(e * r).powi(2)).exp() / PI.sqrt(), erfc(e * r));
         let round = (0.75 / r + 0.5 / r.powi(3)) * rest
             + (4.0 * e.powi(7) * r.powi(4) + 3.0 * e.powi(3) * r * r - 20.0 * e.powi(5) * r * r - 4.5 * e + 14.0 * e.powi(3) + e / (r * r))
@@ -122,7 +122,7 @@ fn periodic_mobility(separation: Vector3<f64>, size: &Vector3<f64>) -> Matrix3<f
                 - 2.0 * e.powi(3)
                 - 3.0 * e / (r * r))
                 * gauss;
-        Matrix3::identity() * round + way * way.transpose() * (along / (r * r))
+        Matrix3::identity() * round + image * image.transpose() * (along / (r * r))
     });
     let own = if separation.norm() > 1e-9 { 0.0 } else { 1.0 - 6.0 * splitting / PI.sqrt() + 40.0 * splitting.powi(3) / (3.0 * PI.sqrt()) };
     (waves.sum::<Matrix3<f64>>() + images.sum::<Matrix3<f64>>() + Matrix3::identity() * own) / (6.0 * PI)
@@ -158,14 +158,14 @@ mod tests {
         assert!((mobility[(0, 0)] / along - 1.0).abs() < 1e-3 && (mobility[(1, 1)] / across - 1.0).abs() < 1e-3, "{mobility}");
     }
 
-    /// Slender bodies of length `n link` buckle at `8 pi L^4 / (B c) = 306.6`, `c = 2 ln L - 1` (Becker and Shelley 2001); beads do so earlier, as
+    /// Slender bodies of length `n distance` buckle at `8 pi L^4 / (B c) = 306.6`, `c = 2 ln L - 1` (Becker and Shelley 2001); beads do so earlier, as
     /// the ends of a short chain resist more than a slender body's do, and the more of them there are the less.
     #[test]
     fn long_chains_buckle_as_slender_bodies_do() {
         let over_slender = |beads: usize| {
-            let (link, length) = (2.2, 2.2 * beads as f64);
-            let slender = 2.0 / link * 8.0 * PI * length.powi(4) / (306.6 * (2.0 * length.ln() - 1.0));
-            BeadModel { beads, link }.buckling().bend / slender
+            let (distance, length) = (2.2, 2.2 * beads as f64);
+            let slender = 2.0 / distance * 8.0 * PI * length.powi(4) / (306.6 * (2.0 * length.ln() - 1.0));
+            BeadModel { beads, distance }.buckling().bend / slender
         };
         let ratios = [12, 24, 48].map(over_slender);
         assert!((ratios[0] - 1.4646).abs() < 1e-3 && (ratios[1] - 1.3846).abs() < 1e-3, "{ratios:?}");
