@@ -9,6 +9,7 @@ mod petsc_options;
 mod plan;
 mod shell;
 mod simulate;
+mod studies;
 mod view;
 mod words;
 
@@ -17,16 +18,11 @@ use std::path::PathBuf;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
-use crate::{
-    error::Result,
-    parallel::first_of_launched,
-    petsc::Session,
-    run::check_memory_of_plan,
-    study::{SceneArguments, SelectedStudy},
-};
+use crate::{error::Result, parallel::first_of_launched, petsc::Session, run::check_memory_of_plan, study::SceneArguments};
 pub use lists::join_lists;
 pub use petsc_options::check_options;
-pub use words::told;
+use studies::SelectedStudy;
+pub use words::message;
 
 /// Particles in viscous flow, particle by particle. Run it as it is, or under `mpirun -n N`.
 #[derive(Debug, Parser)]

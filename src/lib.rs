@@ -51,7 +51,8 @@
 //! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
 //! | | [`interaction`] | what bodies do to each other besides the flow: contact laws, lubrication, forces of one's own |
 //! | 4 | [`scene`], [`mechanics`], [`motion`], [`plan`] | what to simulate; how fluid and bodies answer; steps in time; what a scene calls for |
-//! | 5 | [`observe`], [`output`], [`study`], [`run`] | stress, viscosity, pairs; files; error against cost; runs from start to end |
+//! | 5 | [`observe`], [`output`], [`run`] | stress, viscosity, pairs; files; runs from start to end |
+//! | | [`experiment`], [`study`], [`validation`] | many runs and their records; error against cost, sweeps, scaling; known answers |
 //! | 6 | [`cli`] | the command line |
 
 // floor 0: the machine
@@ -81,8 +82,12 @@ pub mod plan;
 // floor 5: look, never touch
 pub mod observe;
 pub mod output;
-pub mod study;
 // a run from start to end
 pub mod run;
+// settings of scenes, a run for each
+pub mod experiment;
+// what is concluded from them, known answers
+pub mod study;
+pub mod validation;
 // floor 6: words become calls
 pub mod cli;

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 
 use clap::{CommandFactory, Parser};
 use turbid::{
-    cli::{Arguments, check_options, execute, execute_alone, join_lists, told},
+    cli::{Arguments, check_options, execute, execute_alone, join_lists, message},
     error::{Error, Result},
     output::note,
     parallel::{abort_on_panic, end_together, first_of_launched},
@@ -51,7 +51,7 @@ fn on_all_ranks(arguments: &Arguments) -> i32 {
             code
         }
         Err(error) => {
-            complain(&told(&error));
+            complain(&message(&error));
             error.exit_code()
         }
     }
@@ -68,7 +68,7 @@ fn warn_of_unused(session: &Session, words: &[String]) {
 fn finish_alone(outcome: Result<()>) -> i32 {
     let Err(error) = outcome else { return 0 };
     if first_of_launched() {
-        complain(&told(&error));
+        complain(&message(&error));
     }
     error.exit_code()
 }
@@ -82,7 +82,7 @@ fn finish(session: &Session, outcome: Result<()>) -> i32 {
         world.abort(1);
     }
     if world.rank() == 0 {
-        complain(&told(&error));
+        complain(&message(&error));
     }
     error.exit_code()
 }

@@ -7,10 +7,9 @@ use crate::{
     output::{duration, say},
     parallel::{memory_in_words, process_seconds},
     petsc::Session,
-    plan::{Plan, PlanReport},
-    run::{self, Trial},
+    plan::{Forecast, Plan, PlanReport},
+    run::{self, Calibration, Estimate, Trial, coarsest},
     scene::Scene,
-    study::{Calibration, Estimate, Forecast, coarsest},
 };
 
 /// Prints the plan of a scene of dimension `D` whose runs write into `folder`, on as many ranks as there are or on so many others.

@@ -3,7 +3,7 @@
 use crate::error::{Error, Offer, Place};
 
 /// An error as the program tells it: places and offers by the flags and commands they stand for.
-pub fn told(error: &Error) -> String {
+pub fn message(error: &Error) -> String {
     match error {
         Error::Refused(refusal) => refusal.text(&place, &offer),
         Error::Stopped { folder: Some(folder), .. } => format!("{error}; `turbid resume {}` goes on", folder.display()),
@@ -54,7 +54,7 @@ mod tests {
             ),
         ];
         for (place, offer, expected) in cases {
-            assert_eq!(told(&refusal(place, offer)), expected);
+            assert_eq!(message(&refusal(place, offer)), expected);
         }
     }
 
@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn a_run_that_was_stopped_says_how_it_goes_on() {
         let stopped = Error::Stopped { time: 0.5, folder: Some("out/a".into()) };
-        assert_eq!(told(&stopped), "stopped by a signal at time 0.5; `turbid resume out/a` goes on");
+        assert_eq!(message(&stopped), "stopped by a signal at time 0.5; `turbid resume out/a` goes on");
         assert_eq!(stopped.exit_code(), 130);
     }
 }

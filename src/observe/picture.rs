@@ -42,10 +42,10 @@ pub fn picture<const D: usize>(
     let (lines, largest) = force_lines(&cut_lines(&plane, contacts), |vector| plane.within(vector));
     let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.rate.abs() * time));
     let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.4}"));
-    let told = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
+    let parts = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
     Ok(Picture {
         title: scene.shown_title().to_owned(),
-        subtitle: told.into_iter().flatten().collect::<Vec<_>>().join(", "),
+        subtitle: parts.into_iter().flatten().collect::<Vec<_>>().join(", "),
         axes: plane.names(),
         size: plane.size,
         periodic: plane.periodic,

@@ -160,8 +160,8 @@ pub fn bar(half: f64) -> String {
 /// Components in six digits; those that are rounding beside the largest are 0.
 pub fn vector(components: &[f64]) -> String {
     let largest = components.iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
-    let told = |&component: &f64| if component.abs() <= 1e-12 * largest { "0".to_owned() } else { number(component, 6) };
-    format!("({})", components.iter().map(told).collect::<Vec<_>>().join(", "))
+    let shown = |&component: &f64| if component.abs() <= 1e-12 * largest { "0".to_owned() } else { number(component, 6) };
+    format!("({})", components.iter().map(shown).collect::<Vec<_>>().join(", "))
 }
 
 /// A number in so many digits, with a power of ten if it is very large or small.

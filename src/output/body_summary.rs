@@ -8,7 +8,7 @@ use std::{
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use super::{files::file::write_whole_with, not_finite};
+use super::{AXES, files::file::write_whole_with, not_finite};
 use crate::{
     body::components,
     error::Result,
@@ -21,8 +21,6 @@ pub const MOST_LISTED: usize = 10_000;
 
 /// The file with all bodies of a run that has more.
 pub const BODY_TABLE: &str = "summary-bodies.csv";
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// One body.
 #[derive(Debug, Clone, Serialize)]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::TooShort;
+use super::{Columns, TooShort};
 use crate::observe::{
     Part, Parts, Viscosity,
     statistics::{Interval, Shortage, Steady, mean_from, steady},
@@ -82,23 +82,19 @@ impl CurvePoint {
 
     /// The points in the rows of a text, if it has them.
     pub fn read(text: &str) -> Vec<CurvePoint> {
-        let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
-        let header = lines.next().unwrap_or_default();
-        if !header.contains(&"viscosity_hydrodynamic") {
+        let table = Columns::parse(text);
+        if table.column("viscosity_hydrodynamic").is_none() {
             return Vec::new();
         }
-        let number = |line: &[&str], name: &str| {
-            let column = header.iter().position(|column| *column == name)?;
-            Some(line.get(column).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN))
+        let number = |row: usize, name: &str| table.column(name).map(|column| column[row]);
+        let point = |row: usize| CurvePoint {
+            strain: number(row, "strain").unwrap_or(f64::NAN),
+            parts: Parts::of(|part| number(row, &column(part))),
+            first_normal_difference: number(row, "first_normal_difference").unwrap_or(f64::NAN),
+            second_normal_difference: number(row, "second_normal_difference"),
+            particle_pressure: number(row, "particle_pressure"),
         };
-        let point = |line: Vec<&str>| CurvePoint {
-            strain: number(&line, "strain").unwrap_or(f64::NAN),
-            parts: Parts::of(|part| number(&line, &column(part))),
-            first_normal_difference: number(&line, "first_normal_difference").unwrap_or(f64::NAN),
-            second_normal_difference: number(&line, "second_normal_difference"),
-            particle_pressure: number(&line, "particle_pressure"),
-        };
-        lines.map(point).collect()
+        (0..table.rows()).map(point).collect()
     }
 }
 

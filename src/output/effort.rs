@@ -1,6 +1,6 @@
 //! What the steps of a run cost, as `series.csv` holds it, drawn over time.
 
-use super::{Chart, Scale, Series};
+use super::{Chart, Columns, Scale, Series};
 
 /// Columns that are drawn, what they are called, and a factor.
 const COLUMNS: [(&str, &str, f64); 3] =
@@ -8,15 +8,12 @@ const COLUMNS: [(&str, &str, f64); 3] =
 
 /// Milliseconds, iterations of the flow's solver and contacts of each step over time; a column that a run has not is left out.
 pub fn effort_chart(title: &str, series: &str) -> Chart {
-    let mut lines = series.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let header = lines.next().unwrap_or_default();
-    let rows: Vec<Vec<f64>> = lines.map(|line| line.iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()).collect();
-    let place = |name: &str| header.iter().position(|column| *column == name);
-    let time = place("time").unwrap_or(0);
+    let drawn = |name: &str| name == "time" || COLUMNS.iter().any(|(column, ..)| *column == name);
+    let table = Columns::chosen(series.lines(), drawn);
     let of_column = |(column, name, factor): (&str, &str, f64)| {
-        let column = place(column)?;
+        let (times, values) = (table.column("time")?, table.column(column)?);
         // the first row has the set-up in it
-        let points = rows.iter().skip(1).filter_map(|row| Some((*row.get(time)?, factor * row.get(column)?))).collect();
+        let points = times.iter().zip(values).skip(1).map(|(time, value)| (*time, factor * value)).collect();
         Some(Series { name: name.into(), points })
     };
     let series = COLUMNS.into_iter().filter_map(of_column).collect();

@@ -39,6 +39,7 @@ pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
 pub use effort::effort_chart;
 pub use files::checkpoint::{Checkpoint, CheckpointWriter};
 pub use files::checksum::checksum_of;
+pub use files::columns::{AXES, Columns, column_names, row_numbers};
 pub use files::file::{prepare_folder, remove_file, write_whole, write_whole_with};
 pub use files::finite::{check_finite, not_finite};
 pub use files::lock::FolderLock;

@@ -2,12 +2,13 @@
 
 use nalgebra::SVector;
 
+use super::AXES;
 use crate::observe::Probe;
 
 impl<const D: usize> Probe<D> {
     /// A line of names, then a line a point, with numbers that are read back as they were.
     pub fn csv(&self) -> String {
-        let names = [&["x", "y", "z"][..D], &self.names].concat().join(",");
+        let names = [&AXES[..D], &self.names].concat().join(",");
         let line = |(point, values): (&SVector<f64, D>, &Vec<f64>)| {
             let numbers: Vec<String> = point.iter().chain(values).map(f64::to_string).collect();
             numbers.join(",") + "\n"

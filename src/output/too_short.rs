@@ -49,9 +49,9 @@ mod tests {
     #[test]
     fn a_run_that_drifts_needs_as_much_again() {
         let curve: Vec<(f64, f64)> = (0..=200).map(|step| 0.01 * f64::from(step)).map(|time| (time, time)).collect();
-        let told =
+        let words_of =
             |curve: &[(f64, f64)]| steady(curve, 0.0).map_err(|shortage| TooShort::of("time", shortage).text()).expect_err("no mean");
-        assert_eq!(told(&curve), "none yet: the run is too short, it still drifts; about 2.0 more time is needed, at least");
-        assert_eq!(told(&[]), "none yet: the run is too short, it has too few steps");
+        assert_eq!(words_of(&curve), "none yet: the run is too short, it still drifts; about 2.0 more time is needed, at least");
+        assert_eq!(words_of(&[]), "none yet: the run is too short, it has too few steps");
     }
 }

@@ -5,6 +5,7 @@ mod demand;
 mod effects;
 mod estimate;
 mod fitted;
+mod forecast;
 mod interactions;
 mod memory;
 mod modes;
@@ -15,5 +16,6 @@ mod scalar;
 mod surroundings;
 
 pub use demand::demand;
+pub use forecast::Forecast;
 pub use parts::{Plan, PlannedModel, flow_solver};
 pub use report::PlanReport;

@@ -178,12 +178,12 @@ impl<'a> RunFolder<'a> {
         if self.overwrite || (there.none() && !kept.exists()) {
             return Ok(());
         }
-        let told = |what: &str| {
+        let state = |what: &str| {
             let files = there.words();
             let files = if files.is_empty() { files } else { format!(": {files}") };
             format!("{what}{files}; choose another folder")
         };
-        let refuse = |what: &str, offer: Offer| Err(self.refusal(told(what)).offering(offer));
+        let refuse = |what: &str, offer: Offer| Err(self.refusal(state(what)).offering(offer));
         if !kept.exists() {
             return refuse(&format!("holds files of no run that is known (it has no {SCENE})"), Offer::Overwrite);
         }
@@ -192,7 +192,7 @@ impl<'a> RunFolder<'a> {
         }
         if let Err(error) = Scene::read(&kept, &[]).and_then(|there| scene.same_run(&there, "the run in this folder")) {
             let cause = Some(Box::new(Refusal::from(error)));
-            return Err(Refusal { cause, ..self.refusal(told("holds another run ({cause})")) }.offering(Offer::Overwrite));
+            return Err(Refusal { cause, ..self.refusal(state("holds another run ({cause})")) }.offering(Offer::Overwrite));
         }
         let resume = Offer::ResumeOrOverwrite(self.path.clone());
         match (there.has(SUMMARY), there.has(CHECKPOINT)) {

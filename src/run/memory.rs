@@ -1,11 +1,11 @@
 //! Whether a run fits into the memory of the machine.
 
+use super::calibration::coarsest;
 use crate::{
     error::{Error, Offer, Result},
     parallel::World,
     plan::demand,
     scene::{ConstraintMethod, Scene},
-    study::coarsest,
 };
 
 /// Refuses a scene that takes more memory than all machines of this run have free; collective.

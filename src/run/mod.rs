@@ -21,7 +21,7 @@ mod summary;
 mod trial;
 mod viscosity;
 
-pub use calibration::cached;
+pub use calibration::{Answer, Calibration, Estimate, Quantity, RefinementLevel, RefinementSequence, Solved, cached, coarsest};
 pub use command::command;
 pub use finished::Finished;
 pub use folder::{NewRun, RunFolder};

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{
-    calibration::{self, Calibrated},
+    calibration::{self, Calibrated, RefinementSequence, Solved},
     finished::Finished,
     folder::RunFolder,
     options::Options,
@@ -26,7 +26,6 @@ use crate::{
     petsc::{Session, Stage, enter},
     plan::flow_solver,
     scene::{ContactModel, Scene},
-    study::{RefinementSequence, Solved},
 };
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
@@ -290,9 +289,9 @@ impl<'a, const D: usize> Run<'a, D> {
     fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &Evaluated<D>) -> Result<()>) -> Result<()> {
         let mut outputs = std::mem::take(&mut self.outputs);
         let seen = self.seen();
-        let told = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
+        let outcome = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
         self.outputs = outputs;
-        told
+        outcome
     }
 
     fn seen(&self) -> Evaluated<'_, D> {

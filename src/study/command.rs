@@ -1,14 +1,12 @@
 //! What a study is to the program: a name, its arguments on the command line, and what it does with them.
 
-use std::{ops::RangeBounds, path::PathBuf};
+use clap::{ArgMatches, Command};
 
-use clap::{ArgMatches, Command, builder::RangedU64ValueParser};
-
+pub use crate::experiment::arguments::{PetscOptions, SceneArguments, count, positive};
 use crate::{
     error::{Error, Result},
     parallel::launched,
     petsc::Session,
-    scene::Scene,
 };
 
 /// A study. Its type holds the arguments; it is made on `On`: on the ranks of a [`Session`], or, if it starts runs of its own outside of
@@ -26,9 +24,6 @@ pub trait Study<On: ?Sized>: clap::Args {
     /// An argument cannot be used, a solve or a run fails, or a file cannot be written.
     fn run(&self, on: &On) -> Result<()>;
 }
-
-/// Options for PETSc, as words.
-pub type PetscOptions = [String];
 
 /// A study in the list of those that the program knows.
 #[derive(Debug, Clone, Copy)]
@@ -90,39 +85,6 @@ fn ranks_refused() -> Error {
         "this study starts its own ranks: call `turbid scaling SCENE --ranks 1,2,4` (or `turbid cost SCENE`, `turbid inverses SCENE..`, `turbid viscosity`) without mpirun; \
          --launcher says how they start",
     )
-}
-
-/// The scene that a command is about.
-#[derive(Debug, Clone, Default, clap::Args)]
-pub struct SceneArguments {
-    /// Scene file.
-    pub scene: PathBuf,
-    /// Override a key of the scene: --set resolution.cells_per_radius=8
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub overrides: Vec<String>,
-}
-
-impl SceneArguments {
-    /// Reads it on all ranks.
-    ///
-    /// # Errors
-    /// The scene cannot be used.
-    pub fn read(&self, session: &Session) -> Result<Scene> {
-        session.world().agree(Scene::read(&self.scene, &self.overrides))
-    }
-}
-
-/// A whole number of the command line within a range.
-pub fn count(range: impl RangeBounds<u64>) -> RangedU64ValueParser<usize> {
-    RangedU64ValueParser::new().range(range)
-}
-
-/// A positive number of the command line.
-pub fn positive(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err("must be a positive number".into()),
-    }
 }
 
 /// A study whose arguments are those of a command line without its name.

@@ -21,7 +21,7 @@ use self::{
     laplacian::{Problem, Solve, WANTED},
     multipliers::MultiplierGrowth,
     preconditioning::Preconditioning,
-    report::Report,
+    report::ConditioningReport,
 };
 use super::command::{Study, count};
 use crate::{
@@ -73,7 +73,8 @@ impl Study<Session> for Conditioning {
         let fluid = fluid::fluid(session, [self.finest_2d, self.finest_3d])?;
         say(text::fluid(&fluid))?;
         let (ranks, wanted_error) = (world.size(), WANTED);
-        let report = Report { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, rigidity, fluid };
+        let report =
+            ConditioningReport { ranks, wanted_error, laplacian: solves, growth, multipliers: rows, multiplier_growth, rigidity, fluid };
         write(&|folder| report.files().iter().try_for_each(|(name, text)| write_whole(&folder.join(name), text.as_bytes())))?;
         if let Some(folder) = &self.out {
             say(format!("files: {}: {}", folder.display(), report.files().map(|(name, _)| name).join(", ")))?;

@@ -7,10 +7,8 @@ mod analysis;
 mod apply;
 mod chart;
 mod cheapest;
-mod columns;
 mod findings;
 mod format;
-mod identity;
 mod inertia;
 mod metric;
 mod options;
@@ -31,22 +29,18 @@ mod sweep;
 mod table;
 mod text;
 
-pub use self::options::Cost;
+pub use self::options::CostStudy;
 pub use self::properties::SceneProperties;
-use self::{analysis::Analysis, identity::identity_of, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
-use super::{
-    command::{PetscOptions, SceneArguments, Study},
-    launcher::{Launcher, StudyFolder, sweep_out},
-    store::Store,
-    table::csv,
-};
+use self::{analysis::Analysis, metric::Metric, ranges::ParameterRanges, sweep::Sweep};
+use super::command::{PetscOptions, SceneArguments, Study};
 use crate::{
     error::{Error, Result},
+    experiment::{Experiment, arguments::Start, folder::sweep_out, store::Identity, table::csv},
     output::say,
     scene::Scene,
 };
 
-impl Study<PetscOptions> for Cost {
+impl Study<PetscOptions> for CostStudy {
     const NAME: &'static str = "cost";
     const ABOUT: &'static str =
         "Error against seconds on a scene: every method on grids from coarse to fine, and the cheapest setting for a wanted error";
@@ -64,28 +58,27 @@ impl Study<PetscOptions> for Cost {
         let metric = Metric::of(&options, scene)?;
         let ranges = ParameterRanges::of(&options, scene, metric.properties.radius)?;
         options.check_names(&ranges.methods)?;
-        let launcher = Launcher::new(&options.start.launcher, petsc)?;
-        let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into()))?;
-        let identity = identity_of(scene, metric.quantity, &options, petsc)?;
-        let store = Store::open(&folder.path, "cost.json", identity, options.fresh)?;
+        let start = Start { launcher: &options.start.launcher, petsc, ranks: options.ranks };
+        let identity = Identity::of_scene(scene, "quantity", metric.quantity, &start)?;
+        let folder = options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into());
+        let experiment = Experiment::open(&start, folder, "cost.json", identity, options.fresh)?;
         say(&format!("{}\nquantity: {}\n", scene.shown_title(), metric.words()))?;
-        let scratch = &folder.scratch;
-        let sweep = Sweep { options: &options, scene, metric, store, launcher, scratch, measured: Vec::new() };
-        let mut analysis = Analysis { times, sweep };
+        let mut analysis = Analysis { times, sweep: Sweep { options: &options, scene, metric, experiment, measured: Vec::new() } };
         let findings = analysis.findings(&ranges)?;
+        let experiment = &analysis.sweep.experiment;
         // a run that outlived the study which started it has made its folder anew
-        sweep_out(&folder.path);
-        analysis.sweep.store.write(Some(&findings))?;
+        sweep_out(&experiment.folder.path);
         let table = csv(&table::numbers(&findings));
-        folder.write(&[("cost.csv", table), ("cost.svg", chart::svg(&findings)), ("cost.html", page::html(&findings))])?;
-        say(&format!("\n{}\n\nfiles: {}: cost.json, cost.csv, cost.svg, cost.html", text::report(&findings), folder.path.display()))?;
+        let files = [("cost.csv", table), ("cost.svg", chart::svg(&findings)), ("cost.html", page::html(&findings))];
+        let written = experiment.write(Some(&findings), &files)?;
+        say(&format!("\n{}\n\n{written}", text::report(&findings)))?;
         options.apply.as_ref().map_or(Ok(()), |file| apply::apply(file, &whole, &findings))
     }
 }
 
-impl Cost {
+impl CostStudy {
     /// Options whose runs end when they are told, and how many times as long the scene is.
-    fn shortened(&self, whole: &Scene) -> Result<(Cost, f64)> {
+    fn shortened(&self, whole: &Scene) -> Result<(CostStudy, f64)> {
         let Some(until) = self.until else { return Ok((self.clone(), 1.0)) };
         if whole.time.is_none() {
             return Err(Error::refused(format!("--until {until}: the scene is one instant; leave the flag out")));
@@ -95,6 +88,6 @@ impl Cost {
         }
         let overrides = [&self.scene.overrides[..], &[format!("time.end={until:?}")]].concat();
         let scene = SceneArguments { overrides, ..self.scene.clone() };
-        Ok((Cost { scene, ..self.clone() }, whole.end() / until))
+        Ok((CostStudy { scene, ..self.clone() }, whole.end() / until))
     }
 }

@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{
-    command::{PetscOptions, Study},
-    launcher::{Job, Launcher, Scratch, StartArguments, WITHOUT_PICTURE},
-    summary::RunSummary,
-};
+use super::command::{PetscOptions, Study};
 use crate::{
     error::Result,
+    experiment::{
+        arguments::Start,
+        folder::Scratch,
+        launcher::{Job, Launcher, StartArguments, WITHOUT_PICTURE},
+        summary::RunSummary,
+    },
     flow::InverseMethod,
     mechanics::Setup,
     output::{prepare_folder, say},
@@ -34,7 +36,7 @@ pub struct Inverses {
 
 /// What a run tells of its cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Cost {
+struct InverseCost {
     unknowns: f64,
     /// Of the instant, or the mean of all solves.
     iterations: f64,
@@ -48,7 +50,7 @@ impl Study<PetscOptions> for Inverses {
     const ABOUT: &'static str = "Run scenes with each inverse of the fluid that suits them and print what each costs";
 
     fn run(&self, petsc: &PetscOptions) -> Result<()> {
-        let launcher = Launcher::new(&self.start.launcher, petsc)?;
+        let launcher = Launcher::new(&Start { launcher: &self.start.launcher, petsc, ranks: 1 })?;
         let scenes = self.scenes.iter().map(|path| Scene::read(path, &self.overrides)).collect::<Result<Vec<_>>>()?;
         let methods = scenes.iter().map(methods).collect::<Result<Vec<_>>>()?;
         let folder = Path::new("out");
@@ -61,7 +63,7 @@ impl Study<PetscOptions> for Inverses {
                 let cost = |method: &InverseMethod| {
                     let overrides = [&self.overrides[..], &[format!("method.inverse={}", method.word()), WITHOUT_PICTURE.into()]].concat();
                     let job = Job { scene: path, overrides: &overrides, folder: &scratch.0.join("out"), ranks, repeat: self.start.repeat };
-                    launcher.measure(&job, |path| Ok(Cost::of(&RunSummary::read(path)?)), |cost| cost.seconds)
+                    launcher.measure(&job, |path| Ok(InverseCost::of(&RunSummary::read(path)?)), |cost| cost.seconds)
                 };
                 let costs = methods.iter().map(cost).collect::<Result<Vec<_>>>()?;
                 say(&row(&path.display().to_string(), ranks, &costs))?;
@@ -86,20 +88,20 @@ fn methods(scene: &Scene) -> Result<Vec<InverseMethod>> {
     Ok(if fastest == InverseMethod::Hypre { vec![fastest] } else { vec![fastest, InverseMethod::Hypre] })
 }
 
-impl Cost {
-    fn of(summary: &RunSummary) -> Cost {
+impl InverseCost {
+    fn of(summary: &RunSummary) -> InverseCost {
         let seconds = match summary.in_time() {
             true => summary.solve_seconds() / summary.number("/steps").max(1.0),
             false => summary.setup_seconds() + summary.solve_seconds(),
         };
-        Cost { unknowns: summary.unknowns(), iterations: summary.iterations(), seconds, memory_bytes: summary.memory_bytes() }
+        InverseCost { unknowns: summary.unknowns(), iterations: summary.iterations(), seconds, memory_bytes: summary.memory_bytes() }
     }
 }
 
 /// A row of the table for the costs with the fastest inverse and, if that is another one, with multigrid.
-fn row(name: &str, ranks: usize, costs: &[Cost]) -> String {
+fn row(name: &str, ranks: usize, costs: &[InverseCost]) -> String {
     let unknowns = (costs.first().map_or(0.0, |cost| cost.unknowns) / 1e3).floor();
-    let each = |value: &dyn Fn(&Cost) -> String| {
+    let each = |value: &dyn Fn(&InverseCost) -> String| {
         let values: Vec<String> = costs.iter().map(value).collect();
         if values.len() == 1 { format!("- / {}", values[0]) } else { values.join(" / ") }
     };
@@ -116,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_row_has_both_inverses_or_a_gap() {
-        let cost = |seconds| Cost { unknowns: 12_345.0, iterations: 30.0, seconds, memory_bytes: 2e6 };
+        let cost = |seconds| InverseCost { unknowns: 12_345.0, iterations: 30.0, seconds, memory_bytes: 2e6 };
         assert_eq!(row("a", 2, &[cost(0.25), cost(1.0)]), "| `a` | 12 k | 2 | 30 / 30 | 0.25 / 1.00 | 4.0 | 2 / 2 |");
         assert_eq!(row("a", 1, &[cost(1.0)]), "| `a` | 12 k | 1 | - / 30 | - / 1.00 | - | - / 2 |");
     }
@@ -126,8 +128,11 @@ mod tests {
         let solver = serde_json::json!({"grid_unknowns": 10, "multiplier_unknowns": 5, "iterations": 7, "setup_seconds": 1,
             "assembly_seconds": 2, "solve_seconds": 3, "peak_memory_bytes": 4});
         let summary = |motion| RunSummary(serde_json::json!({"steps": 4, "solver": solver, "motion": motion}));
-        assert_eq!(Cost::of(&summary(serde_json::Value::Null)), Cost { unknowns: 15.0, iterations: 7.0, seconds: 6.0, memory_bytes: 4.0 });
-        let moving = Cost::of(&summary(serde_json::json!({"solves": 5, "iterations": 50, "seconds": 8})));
+        assert_eq!(
+            InverseCost::of(&summary(serde_json::Value::Null)),
+            InverseCost { unknowns: 15.0, iterations: 7.0, seconds: 6.0, memory_bytes: 4.0 }
+        );
+        let moving = InverseCost::of(&summary(serde_json::json!({"solves": 5, "iterations": 50, "seconds": 8})));
         assert_eq!((moving.iterations, moving.seconds), (10.0, 2.0));
     }
 }

@@ -1,30 +1,18 @@
-//! Studies: how solvers scale, how hard their systems are, how far known answers are met, and which setting meets an accuracy.
+//! Studies: what accuracy costs, how results depend on keys of a scene, how solvers scale, and how hard their systems are.
 
-mod calibration;
 mod command;
 mod conditioning;
 mod cost;
 mod fit;
-mod forecast;
 mod inverses;
-mod launcher;
-mod registry;
 mod scaling;
-mod store;
-mod summary;
 mod sweep;
-mod table;
-mod validation;
 mod viscosity;
 
-pub use calibration::{Answer, Calibration, Estimate, Quantity, RefinementLevel, RefinementSequence, Solved, coarsest};
 pub use command::{PetscOptions, SceneArguments, Study, StudyCommand, positive};
 pub use conditioning::Conditioning;
-pub use cost::Cost;
-pub use forecast::Forecast;
+pub use cost::CostStudy;
 pub use inverses::Inverses;
-pub use registry::{SelectedStudy, studies};
 pub use scaling::Scaling;
 pub use sweep::ParameterSweep;
-pub use validation::{Bar, Case, KnownScene, Validation, cases, known_scenes, random_scene};
-pub use viscosity::ViscosityStudy;
+pub use viscosity::{SuspensionSetting, ViscosityStudy};

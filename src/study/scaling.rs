@@ -21,16 +21,18 @@ use self::{
     kind::ScalingKind,
     measurement::Measurement,
     model::{Network, Sample, ScalingModel},
-    report::Report,
-    table::{RunRow, Table},
+    report::ScalingReport,
+    table::{RunRow, ScalingTable},
     workload::{RankShares, Workload},
 };
-use super::{
-    command::{PetscOptions, SceneArguments, Study, positive},
-    launcher::{Job, Launcher, StartArguments, StudyFolder, WITHOUT_PICTURE},
-};
+use super::command::{PetscOptions, SceneArguments, Study, positive};
 use crate::{
     error::{Error, Result},
+    experiment::{
+        arguments::Start,
+        folder::StudyFolder,
+        launcher::{Job, Launcher, StartArguments, WITHOUT_PICTURE},
+    },
     output::say,
     scene::Scene,
 };
@@ -99,7 +101,7 @@ struct Measuring<'a, const D: usize> {
 impl<'a, const D: usize> Measuring<'a, D> {
     fn new(options: &'a Scaling, petsc: &PetscOptions, scene: Scene) -> Result<Measuring<'a, D>> {
         let ranks = rank_counts(&options.ranks)?;
-        let launcher = Launcher::new(&options.start.launcher, petsc)?;
+        let launcher = Launcher::new(&Start { launcher: &options.start.launcher, petsc, ranks: 1 })?;
         let workload = Workload::of(&scene)?;
         let folder = StudyFolder::take(options.out.clone().unwrap_or_else(|| format!("out/{}-scaling", scene.name).into()))?;
         let cores = options.cores.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
@@ -119,7 +121,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
         let network = Network { bandwidth: self.options.bandwidth * 1e9, latency: self.options.latency * 1e-6 };
         let model = ScalingModel::fit(runs.iter().map(|(_, sample)| *sample), self.cores, network);
         let checks = checks(&runs, self.cores, network);
-        let report = Report {
+        let report = ScalingReport {
             scene: self.scene.shown_title().to_owned(),
             steps: self.scene.time.is_some(),
             launcher: self.options.start.launcher.clone(),
@@ -182,7 +184,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
         self.launcher.measure(&job, Measurement::read, Measurement::seconds)
     }
 
-    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&ScalingModel>, kind: ScalingKind) -> Table {
+    fn table(&self, samples: &[(usize, Result<Sample>)], model: Option<&ScalingModel>, kind: ScalingKind) -> ScalingTable {
         let measured: Vec<RunRow> =
             samples.iter().map(|(ranks, sample)| RunRow::measured(*ranks, *ranks > self.cores, sample.as_ref())).collect();
         let last = samples.iter().rev().find_map(|(_, sample)| sample.as_ref().ok());
@@ -191,7 +193,7 @@ impl<'a, const D: usize> Measuring<'a, D> {
             let rows = powers.map(|ranks| RunRow::predicted(ranks, model, last, self.expected_shares(kind, ranks, last).as_ref()));
             up_to_the_first(rows, RunRow::absent)
         });
-        Table::new(measured, model, kind == ScalingKind::Weak)
+        ScalingTable::new(measured, model, kind == ScalingKind::Weak)
     }
 }
 

@@ -13,35 +13,27 @@ mod vary;
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
-
 use self::{
     keep::Keep,
-    quantity::Quantity,
-    record::{Measured, Outcome, Record, Setting},
-    report::Report,
+    quantity::SweepQuantity,
+    record::{Measured, SweepRecord, SweepSetting},
+    report::SweepReport,
     vary::Vary,
 };
-use super::{
-    command::{PetscOptions, SceneArguments, Study, count},
-    launcher::{Job, LAUNCHER, Launcher, StudyFolder, WITHOUT_PICTURE},
-    store::{Identity, Store, files_of},
-    summary::RunSummary,
-};
+use super::command::{PetscOptions, SceneArguments, Study, count};
 use crate::{
     error::{Error, Result},
-    output::{note, say},
+    experiment::{
+        Experiment,
+        arguments::Start,
+        launcher::{Job, LAUNCHER, WITHOUT_PICTURE},
+        record::Outcome,
+        store::Identity,
+        summary::RunSummary,
+    },
+    output::say,
     scene::{Placement, Scene},
 };
-
-/// Places in `sweep.json` that must not differ; what is in none of the first is in the last.
-const PLACES: [(&str, &str); 5] = [
-    ("/identity/version", "the version of the program"),
-    ("/identity/scene", "the scene"),
-    ("/identity/files", "the files of the scene"),
-    ("/identity/quantities", "the quantities"),
-    ("/identity", "how runs are started"),
-];
 
 /// What to vary and what to measure.
 #[derive(Debug, Clone, clap::Args)]
@@ -87,30 +79,23 @@ impl Study<PetscOptions> for ParameterSweep {
         let settings = self.settings(&scene, &keys)?;
         // a key that is misspelt is refused before anything is run
         let scenes = settings.iter().map(|setting| self.scene_of(setting)).collect::<Result<Vec<_>>>()?;
-        let quantities = Quantity::all(&self.quantity, &scenes[0])?;
-        let launcher = Launcher::new(&self.launcher, petsc)?;
-        let folder = StudyFolder::take(self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into()))?;
-        let mut store: Store<Record> = Store::open(&folder.path, "sweep.json", self.identity(&scene, &quantities, petsc)?, self.fresh)?;
+        let quantities = SweepQuantity::all(&self.quantity, &scenes[0])?;
+        let start = Start { launcher: &self.launcher, petsc, ranks: self.ranks };
+        let names: Vec<String> = quantities.iter().map(SweepQuantity::name).collect();
+        let identity = Identity::of_scene(&scene, "quantities", &names, &start)?;
+        let folder = self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into());
+        let mut experiment = Experiment::open(&start, folder, "sweep.json", identity, self.fresh)?;
         let words: Vec<String> =
             quantities.iter().map(|quantity| format!("quantity: {}\n", quantity.words(scene.time.is_some()))).collect();
         say(&format!("{}\n{}", scene.shown_title(), words.concat()))?;
-        let missing: Vec<usize> = (0..settings.len()).filter(|&place| store.find(&settings[place]).is_none()).collect();
-        if missing.len() < settings.len() {
-            note(&format!("{} of {} runs were measured before", settings.len() - missing.len(), settings.len()));
-        }
-        for (number, &place) in missing.iter().enumerate() {
-            let outcome = self.measure(&launcher, &folder, &settings[place], &scenes[place], &quantities)?;
-            let record = Record { setting: settings[place].clone(), outcome };
-            note(&format!("{} of {}: {record}", number + 1, missing.len()));
-            store.add(record)?;
-        }
-        let report = Report::new(scene.shown_title(), quantities.iter().map(Quantity::name).collect(), &keys, &settings, &store);
-        store.write(Some(&report))?;
-        let files = report.files();
-        folder.write(&files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect::<Vec<_>>())?;
-        let names = files.iter().map(|(name, _)| format!(", {name}")).collect::<String>();
+        experiment.complete(&settings, |experiment, setting| {
+            let outcome = self.measure(experiment, setting, &quantities)?;
+            Ok(SweepRecord { setting: setting.clone(), outcome })
+        })?;
+        let report = SweepReport::new(scene.shown_title(), names, &keys, &settings, &experiment.store);
+        let written = experiment.write(Some(&report), &report.files())?;
         let kept = if self.keep == Keep::Nothing { String::new() } else { format!("; runs in {}", keep::FOLDER) };
-        say(&format!("{}\n\nfiles: {}: sweep.json{names}{kept}", report.markdown(), folder.path.display()))?;
+        say(&format!("{}\n\n{written}{kept}", report.markdown()))?;
         match report.points.iter().any(|point| point.runs > 0) {
             true => Ok(()),
             false => Err(Error::refused("no run came to its end; the reasons stand below the table")),
@@ -120,7 +105,7 @@ impl Study<PetscOptions> for ParameterSweep {
 
 impl ParameterSweep {
     /// Every run: seeds of a point next to each other.
-    fn settings(&self, scene: &Scene, keys: &[Vary]) -> Result<Vec<Setting>> {
+    fn settings(&self, scene: &Scene, keys: &[Vary]) -> Result<Vec<SweepSetting>> {
         let refuse = |reason: &str| Err(Error::refused(format!("--seeds {}: {reason}", self.seeds)));
         let seed_varies = keys.iter().any(|vary| vary.key == "seed");
         if self.seeds > 1 && seed_varies {
@@ -129,7 +114,7 @@ impl ParameterSweep {
         let random =
             |scene: &Scene| scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)));
         let points = vary::points(keys);
-        let setting = |point: &Vec<_>, seed| Setting { point: point.clone(), seed };
+        let setting = |point: &Vec<_>, seed| SweepSetting { point: point.clone(), seed };
         // what is wrong with a scene is told when all of them are read
         let differs = |point: &Vec<_>| self.scene_of(&setting(point, None)).map_or(true, |scene| random(&scene));
         if self.seeds > 1 && !points.iter().any(differs) {
@@ -139,52 +124,36 @@ impl ParameterSweep {
         Ok(points.iter().flat_map(|point| seeds().into_iter().map(move |seed| setting(point, seed))).collect())
     }
 
-    fn overrides(&self, setting: &Setting) -> Vec<String> {
+    fn overrides(&self, setting: &SweepSetting) -> Vec<String> {
         [&self.scene.overrides[..], &setting.overrides()].concat()
     }
 
-    fn scene_of(&self, setting: &Setting) -> Result<Scene> {
+    fn scene_of(&self, setting: &SweepSetting) -> Result<Scene> {
         Scene::read(&self.scene.scene, &self.overrides(setting))
     }
 
     fn measure(
         &self,
-        launcher: &Launcher,
-        folder: &StudyFolder,
-        setting: &Setting,
-        scene: &Scene,
-        quantities: &[Quantity],
-    ) -> Result<Outcome> {
+        experiment: &Experiment<SweepRecord>,
+        setting: &SweepSetting,
+        quantities: &[SweepQuantity],
+    ) -> Result<Outcome<Measured>> {
+        let scene = &self.scene_of(setting)?;
         let picture = (!scene.scalar()).then(|| WITHOUT_PICTURE.to_owned());
         let overrides: Vec<String> = self.overrides(setting).into_iter().chain(picture).collect();
-        let out = folder.scratch.0.join("run");
+        let (folder, out) = (&experiment.folder.path, experiment.folder.scratch.0.join("run"));
         let job = Job { scene: &self.scene.scene, overrides: &overrides, folder: &out, ranks: self.ranks, repeat: 1 };
         let read = |path: &Path| {
             let readings = quantities.iter().map(|quantity| quantity.read(path, scene)).collect::<Result<Vec<_>>>()?;
             let summary = RunSummary::read(path)?;
-            let kept = self.keep.keep(&out, &folder.path, &setting.folder_name())?;
+            let kept = self.keep.keep(&out, folder, &setting.folder_name())?;
             let seconds = summary.setup_seconds() + summary.solve_seconds();
             Ok(Measured { readings, fraction: summary.number("/fraction"), seconds, folder: kept })
         };
-        let outcome = launcher.attempt(&job, read, |measured| measured.seconds)?;
-        self.keep.keep_failed(&out, &folder.path, &setting.folder_name())?;
-        Ok(outcome.map_or_else(|error| Outcome::Failed(one_line(&error)), Outcome::Measured))
+        let outcome = experiment.launcher.outcome(&job, read, |measured| measured.seconds)?;
+        self.keep.keep_failed(&out, folder, &setting.folder_name())?;
+        Ok(outcome)
     }
-
-    fn identity(&self, scene: &Scene, quantities: &[Quantity], petsc: &PetscOptions) -> Result<Identity> {
-        let json = json!({ "identity": {
-            "version": env!("CARGO_PKG_VERSION"), "scene": scene.text, "files": files_of(scene)?, "quantities": quantities.iter().map(Quantity::name).collect::<Vec<_>>(), "ranks": self.ranks,
-            "launcher": self.launcher, "petsc": petsc,
-        } });
-        Ok(Identity { json, places: &PLACES })
-    }
-}
-
-/// The words of an error without what the launcher says around them.
-fn one_line(error: &Error) -> String {
-    let text = error.to_string();
-    let own = text.lines().find_map(|line| line.strip_prefix("turbid: "));
-    own.unwrap_or(text.lines().next().unwrap_or_default()).to_owned()
 }
 
 #[cfg(test)]

@@ -11,19 +11,21 @@ mod scenes;
 
 use std::{fs, path::PathBuf};
 
-pub use self::record::Setting;
+pub use self::record::SuspensionSetting;
 use self::{
-    record::{Measured, Record, identity},
-    report::Report,
+    record::{MeasuredViscosity, ViscosityRecord},
+    report::ViscosityReport,
 };
-use super::{
-    command::{PetscOptions, Study, count, positive},
-    launcher::{Job, LAUNCHER, Launcher, StudyFolder},
-    store::Store,
-};
+use super::command::{PetscOptions, Study, count, positive};
 use crate::{
     error::{Error, Result},
-    output::{note, say},
+    experiment::{
+        Experiment,
+        arguments::Start,
+        launcher::{Job, LAUNCHER},
+        store::Identity,
+    },
+    output::say,
 };
 
 /// What to measure, and how; absent numbers are those that suit each dimension.
@@ -75,34 +77,23 @@ impl Study<PetscOptions> for ViscosityStudy {
     /// Makes the study and writes `viscosity.json`, `viscosity.csv` and the charts.
     fn run(&self, petsc: &PetscOptions) -> Result<()> {
         self.check()?;
-        let launcher = Launcher::new(&self.launcher, petsc)?;
-        let folder = StudyFolder::take(self.out.clone())?;
-        let mut store: Store<Record> = Store::open(&folder.path, "viscosity.json", identity(), self.fresh)?;
+        let start = Start { launcher: &self.launcher, petsc, ranks: self.ranks };
+        let mut experiment = Experiment::open(&start, self.out.clone(), "viscosity.json", Identity::of_version(), self.fresh)?;
         let settings = self.settings();
-        let missing: Vec<&Setting> = settings.iter().filter(|setting| store.find(setting).is_none()).collect();
-        let kept = settings.len() - missing.len();
-        if kept > 0 {
-            note(&format!("{kept} of {} runs were measured before", settings.len()));
-        }
-        for (number, setting) in missing.iter().enumerate() {
-            let measured = self.measure(&launcher, &folder, setting)?;
-            note(&format!("{} of {}: {setting}: {:.4}, {:.1} s", number + 1, missing.len(), measured.relative, measured.seconds));
-            store.add(Record { setting: (*setting).clone(), measured })?;
-        }
-        let report = Report::new(&settings, &store);
-        let files = report.files();
-        folder.write(&files)?;
-        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-        say(&format!("{}\nfiles: {}: viscosity.json, {}", report.markdown(), folder.path.display(), names.join(", ")))
+        experiment.complete(&settings, |experiment, setting| self.measure(experiment, setting))?;
+        let report = ViscosityReport::new(&settings, &experiment.store);
+        say(&format!("{}\n{}", report.markdown(), experiment.write(None::<&()>, &report.files())?))
     }
 }
 
 impl ViscosityStudy {
-    fn measure(&self, launcher: &Launcher, folder: &StudyFolder, setting: &Setting) -> Result<Measured> {
-        let (scene, out) = (folder.scratch.0.join("scene.toml"), folder.scratch.0.join("run"));
+    fn measure(&self, experiment: &Experiment<ViscosityRecord>, setting: &SuspensionSetting) -> Result<ViscosityRecord> {
+        let scratch = &experiment.folder.scratch.0;
+        let (scene, out) = (scratch.join("scene.toml"), scratch.join("run"));
         fs::write(&scene, setting.scene()?).map_err(|source| Error::File { path: scene.clone(), source })?;
         let job = Job { scene: &scene, overrides: &[], folder: &out, ranks: self.ranks, repeat: 1 };
-        launcher.measure(&job, Measured::read, |measured| measured.seconds)
+        let measured = experiment.launcher.measure(&job, MeasuredViscosity::read, |measured| measured.seconds)?;
+        Ok(ViscosityRecord { setting: setting.clone(), measured })
     }
 
     fn check(&self) -> Result<()> {
@@ -119,10 +110,10 @@ impl ViscosityStudy {
         }
     }
 
-    fn settings(&self) -> Vec<Setting> {
+    fn settings(&self) -> Vec<SuspensionSetting> {
         let mut settings = Vec::new();
         for &dimension in &self.dimensions {
-            let base = Setting {
+            let base = SuspensionSetting {
                 dimension,
                 fraction: self.sheared_fraction,
                 bodies: self.bodies.unwrap_or([64, 27][dimension - 2]),
@@ -133,7 +124,7 @@ impl ViscosityStudy {
             };
             for &fraction in &self.fractions {
                 let seeds = 1..=self.configurations as u64;
-                settings.extend(seeds.map(|seed| Setting { fraction, seed, ..base.clone() }));
+                settings.extend(seeds.map(|seed| SuspensionSetting { fraction, seed, ..base.clone() }));
             }
             if self.strain > 0.0 {
                 settings.push(base.sheared(self.strain));

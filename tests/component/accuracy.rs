@@ -6,8 +6,9 @@ use turbid::{
     error::Error,
     mechanics::{FlowSolver, Setup, Suspension},
     petsc::Session,
+    run::{Quantity, RefinementSequence},
     scene::Scene,
-    study::{KnownScene, Quantity, RefinementSequence, known_scenes, random_scene},
+    validation::{KnownScene, known_scenes, random_scene},
 };
 
 use crate::Test;

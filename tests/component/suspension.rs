@@ -12,7 +12,7 @@ use turbid::{
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
-    study::cases,
+    validation::cases,
 };
 
 /// The tests of this file.

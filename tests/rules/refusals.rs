@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use turbid::body::{read_centers, read_places};
-use turbid::cli::told;
+use turbid::cli::message;
 use turbid::error::{Error, Result};
 use turbid::scene::Scene;
 
@@ -46,7 +46,7 @@ fn failure(path: &Path, read: impl Fn(&Path, &str) -> Result<()>) -> Option<Stri
     let text = std::fs::read_to_string(path).unwrap();
     let expected = marked(&text, "#^ ").pop().expect("a bad file says its message");
     match read(path, &text) {
-        Err(error @ Error::Refused(_)) if told(&error).contains(&expected) => None,
+        Err(error @ Error::Refused(_)) if message(&error).contains(&expected) => None,
         result => Some(format!("{}: expected {expected}\n  found {result:?}", path.display())),
     }
 }

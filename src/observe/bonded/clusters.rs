@@ -26,6 +26,6 @@ pub fn mean_orientation<const D: usize>(world: &World, interactions: &Interactio
 
 /// The direction from its first ball to the farthest from that, at the start.
 fn longest_axis<const D: usize>(cluster: &Cluster<D>) -> SVector<f64, D> {
-    let ways = cluster.offsets.iter().map(|offset| offset - cluster.offsets[0]);
-    ways.max_by(|one, other| one.norm().total_cmp(&other.norm())).map_or(SVector::zeros(), |way| way.normalize())
+    let arms = cluster.offsets.iter().map(|offset| offset - cluster.offsets[0]);
+    arms.max_by(|one, other| one.norm().total_cmp(&other.norm())).map_or(SVector::zeros(), |arm| arm.normalize())
 }

@@ -48,8 +48,16 @@ fn half_width(samples: &[f64]) -> f64 {
     student(count - 1.0) * (variance / count).sqrt()
 }
 
-pub(super) fn mean(samples: &[f64]) -> f64 {
+/// The mean; not a number without samples.
+pub fn mean(samples: &[f64]) -> f64 {
     samples.iter().sum::<f64>() / samples.len() as f64
+}
+
+/// The standard error of the mean of independent samples; not a number for fewer than two.
+pub fn standard_error(samples: &[f64]) -> f64 {
+    let (mean, count) = (mean(samples), samples.len() as f64);
+    let squares: f64 = samples.iter().map(|sample| (sample - mean).powi(2)).sum();
+    (squares / (count * (count - 1.0))).sqrt()
 }
 
 /// The 97.5 % quantile of Student's distribution for one to five degrees of freedom.

@@ -9,7 +9,7 @@ mod shortage;
 mod steady;
 mod transient;
 
-pub use blocks::{BLOCKS, FEWEST, Interval, interval, student};
+pub use blocks::{BLOCKS, FEWEST, Interval, interval, mean, standard_error, student};
 pub use resampling::{mean_from, resampled};
 pub use shortage::Shortage;
 pub use steady::{Steady, steady};

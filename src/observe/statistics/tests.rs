@@ -87,17 +87,17 @@ fn tell(what: &str, numbers: &[f64]) {
 
 #[test]
 fn intervals_hold_the_mean_of_series_of_four_kinds() {
-    let kinds: [(&str, Record); 5] = [
+    let records: [(&str, Record); 5] = [
         ("AR(1), 20 times", |seed| fading(seed, 20.0)),
         ("AR(1), 100 times", |seed| fading(seed, 100.0)),
         ("two scales", two_scales),
         ("drift at the start", starting),
         ("long memory", long_memory),
     ];
-    for (kind, record) in kinds {
+    for (name, record) in records {
         let [found, holding] = coverage(record, of_record);
-        tell(kind, &[found, holding]);
-        assert!(found > 0.9 && (0.9..=0.99).contains(&holding), "{kind}: {found} have an interval, {holding} of these hold the mean");
+        tell(name, &[found, holding]);
+        assert!(found > 0.9 && (0.9..=0.99).contains(&holding), "{name}: {found} have an interval, {holding} of these hold the mean");
     }
 }
 

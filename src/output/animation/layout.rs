@@ -74,12 +74,12 @@ impl PageLayout {
         if !self.words {
             return;
         }
-        let told = film.told_of(time);
+        let label = film.told_of(time);
         let right = self.corner[0] + self.extent[0];
-        let letters = (right.saturating_sub(self.corner[0] + text::width(&told) + 2 * MARGIN)) / text::width(" ");
+        let letters = (right.saturating_sub(self.corner[0] + text::width(&label) + 2 * MARGIN)) / text::width(" ");
         let title: String = film.title.chars().take(letters).collect();
         text::write(canvas, [self.corner[0], MARGIN - 4], &title, palette::INK);
-        text::write(canvas, [right.saturating_sub(text::width(&told)), MARGIN - 4], &told, palette::INK);
+        text::write(canvas, [right.saturating_sub(text::width(&label)), MARGIN - 4], &label, palette::INK);
         self.write_length(canvas, film);
         if film.has_bar() {
             self.write_bar(canvas, &film.quantity, bar);
@@ -95,8 +95,8 @@ impl PageLayout {
         for end in [self.corner[0], self.corner[0] + pixels.saturating_sub(2)] {
             canvas.fill_rectangle([end, middle - 4], [2, 8], palette::INK);
         }
-        let told = format!("{} along {}, {} up", (length * 1e9).round() / 1e9, film.axes[0], film.axes[1]);
-        text::write(canvas, [self.corner[0] + pixels + 8, top], &told, palette::INK);
+        let label = format!("{} along {}, {} up", (length * 1e9).round() / 1e9, film.axes[0], film.axes[1]);
+        text::write(canvas, [self.corner[0] + pixels + 8, top], &label, palette::INK);
     }
 
     fn write_bar(&self, canvas: &mut Canvas, quantity: &str, bar: &Bar) {
@@ -115,9 +115,9 @@ impl PageLayout {
             widest = widest.max(text::width(&label));
         }
         let power = if bar.exponent == 0 { String::new() } else { format!(" (1e{})", bar.exponent) };
-        let told = format!("{quantity}{power}");
-        let place = [left + BAR[1] + 10 + widest, top + (height + text::width(&told)) / 2];
-        text::write_upwards(canvas, [place[0], place[1].min(self.page[1] - 2)], &told, palette::INK);
+        let label = format!("{quantity}{power}");
+        let place = [left + BAR[1] + 10 + widest, top + (height + text::width(&label)) / 2];
+        text::write_upwards(canvas, [place[0], place[1].min(self.page[1] - 2)], &label, palette::INK);
     }
 
     /// Paints the box, each pixel as the colour at its place says, in parts of the box from its lower left corner.

@@ -293,8 +293,8 @@ mod tests {
 
     #[test]
     fn disks_smaller_than_a_pixel_are_seen() {
-        let crowd = (0..4000).map(|k| AnimatedDisk { radius: 2e-3, ..disk(5e-4 * f64::from(k), 1.0) });
-        assert_ne!(colour_at(&frames(crowd.collect()), [1.0, 0.5]), palette::PAPER);
+        let disks = (0..4000).map(|k| AnimatedDisk { radius: 2e-3, ..disk(5e-4 * f64::from(k), 1.0) });
+        assert_ne!(colour_at(&frames(disks.collect()), [1.0, 0.5]), palette::PAPER);
     }
 
     #[test]

@@ -154,8 +154,8 @@ mod tests {
 
     #[test]
     fn the_palette_holds_its_own_colours_and_has_room_in_a_byte() {
-        let kinds = [Colour::Speed, Colour::Vorticity, Colour::Chain, Colour::Species].map(|colour| [(colour, false), (colour, true)]);
-        for (colour, balls) in kinds.into_iter().flatten() {
+        let choices = [Colour::Speed, Colour::Vorticity, Colour::Chain, Colour::Species].map(|colour| [(colour, false), (colour, true)]);
+        for (colour, balls) in choices.into_iter().flatten() {
             let mut palette = Palette::new(colour, balls);
             let colours = palette.colours.clone();
             assert!(colours.len() <= 256);

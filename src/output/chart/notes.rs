@@ -94,7 +94,7 @@ impl Notes {
         }
         let [left, top, foot] = [frame.left, frame.top, frame.foot];
         let [name, left_out] = [&band.name, &band.left_out].map(|text| escaped(text));
-        let told = match from - left > 7.0 * band.left_out.chars().count() as f64 {
+        let label = match from - left > 7.0 * band.left_out.chars().count() as f64 {
             true => {
                 format!("<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" fill-opacity=\"0.7\">{left_out}</text>\n", left + 5.0, foot - 7.0)
             }
@@ -104,7 +104,7 @@ impl Notes {
             "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{INK}\" fill-opacity=\"0.06\"/>\n\
              <rect x=\"{from:.1}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#0072b2\" fill-opacity=\"0.22\"/>\n\
              <path d=\"M{from:.1} {mean:.1}H{to:.1}\" stroke=\"#0072b2\" stroke-width=\"1.4\" stroke-dasharray=\"6 4\"/>\n\
-             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" text-anchor=\"end\" fill=\"#0b5c9c\">{name}</text>\n{told}",
+             <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\" text-anchor=\"end\" fill=\"#0b5c9c\">{name}</text>\n{label}",
             (from - left).max(0.0),
             foot - top,
             to - from,

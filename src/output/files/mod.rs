@@ -2,6 +2,7 @@
 
 pub mod checkpoint;
 pub mod checksum;
+pub mod columns;
 pub mod file;
 pub mod finite;
 pub mod lock;

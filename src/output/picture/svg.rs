@@ -161,11 +161,11 @@ const MOST_CIRCLES: usize = 10_000;
 
 fn bodies(picture: &Picture, frame: &Frame) -> String {
     let disks = picture.disks();
-    if disks.len() > MOST_CIRCLES { crowd(&disks, frame) } else { circles(&disks, picture.least_speed, frame) }
+    if disks.len() > MOST_CIRCLES { many_circles(&disks, frame) } else { circles(&disks, picture.least_speed, frame) }
 }
 
 /// Bodies too many to be told apart.
-fn crowd(disks: &[Disk], frame: &Frame) -> String {
+fn many_circles(disks: &[Disk], frame: &Frame) -> String {
     let pixels = frame.size.map(|length| length.round().max(1.0) as usize);
     let place = |disk: &Disk| {
         let [x, y] = frame.place(disk.center);

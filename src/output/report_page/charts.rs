@@ -118,7 +118,7 @@ mod tests {
             table(&["separation", "distribution"]),
         ];
         let charts = charts(&tables, None);
-        let told: Vec<(&str, &str, usize)> = charts.iter().map(|chart| (chart.title, chart.x, chart.y.len())).collect();
+        let found: Vec<(&str, &str, usize)> = charts.iter().map(|chart| (chart.title, chart.x, chart.y.len())).collect();
         let expected = [
             ("Relative viscosity", "strain", 1),
             ("Parts of the relative viscosity", "strain", 1),
@@ -127,6 +127,6 @@ mod tests {
             ("Other columns", "time", 1),
             ("Pair distribution g(r)", "separation", 1),
         ];
-        assert_eq!(told, expected);
+        assert_eq!(found, expected);
     }
 }

@@ -73,9 +73,9 @@ mod tests {
 
     #[test]
     fn a_run_that_has_not_ended_says_so() {
-        let told = |standing| Page { standing, ..page() }.html();
-        assert!(told(Standing::UnderWay).contains("has not ended"));
-        assert!(told(Standing::Broken("stopped by a signal".into())).contains("stopped by a signal"));
-        assert!(!told(Standing::Ended).contains("has not ended"));
+        let page_of = |standing| Page { standing, ..page() }.html();
+        assert!(page_of(Standing::UnderWay).contains("has not ended"));
+        assert!(page_of(Standing::Broken("stopped by a signal".into())).contains("stopped by a signal"));
+        assert!(!page_of(Standing::Ended).contains("has not ended"));
     }
 }

@@ -24,7 +24,7 @@ pub fn body(page: &Page) -> String {
 }
 
 fn heading(page: &Page) -> String {
-    let (class, word, told) = match &page.standing {
+    let (class, word, sentence) = match &page.standing {
         Standing::Ended => ("state", "ended", String::new()),
         Standing::UnderWay => {
             ("state open", "has not ended", "the run is under way, or was killed; this page is renewed while it runs".into())
@@ -36,7 +36,7 @@ fn heading(page: &Page) -> String {
     format!(
         "<h1>{}</h1>\n<p><span class=\"{class}\">{word}</span> <span class=\"soft\">{} {}</span></p>\n{answers}",
         escaped(&page.title),
-        escaped(&told),
+        escaped(&sentence),
         escaped(&page.written),
     )
 }

@@ -8,6 +8,8 @@ use std::{
 
 use serde::Serialize;
 
+use crate::output::{column_names, row_numbers};
+
 /// Most rows that are shown as they are, and most points of a column of a longer table.
 const MOST_POINTS: usize = 1600;
 
@@ -43,7 +45,7 @@ impl Table {
         let rows = lines(path)?.skip(1).filter(|line| line.as_ref().is_ok_and(|line| !line.is_empty())).count();
         let mut all = lines(path)?;
         let Some(header) = all.next().transpose()?.filter(|_| rows > 0) else { return Ok(None) };
-        let columns: Vec<String> = header.split(',').map(str::to_owned).collect();
+        let columns = column_names(&header);
         let stretch = if rows > MOST_POINTS { (2 * rows).div_ceil(MOST_POINTS) } else { 1 };
         let mut table = Table {
             name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -55,8 +57,8 @@ impl Table {
         let mut extremes = vec![Extremes::default(); table.columns.len()];
         for (place, line) in all.take(rows).enumerate() {
             let line = line?;
-            let mut cells = line.split(',').map(|cell| cell.parse::<f64>().ok().filter(|number| number.is_finite()));
-            extremes.iter_mut().for_each(|extremes| extremes.add(cells.next().flatten()));
+            let mut cells = row_numbers(&line);
+            extremes.iter_mut().for_each(|extremes| extremes.add(cells.next().filter(|number| number.is_finite())));
             if (place + 1).is_multiple_of(stretch) || place + 1 == rows {
                 table.take(&mut extremes);
             }

@@ -7,7 +7,9 @@ use serde_json::{Value, json};
 use crate::{
     observe::Plane,
     output::{
+        column_names,
         picture::colour::{self, ColourMap},
+        row_numbers,
         traces::SUMMARY,
     },
     scene::{AffineFlow, AxisSection, Colour, Scene},
@@ -73,10 +75,10 @@ fn shades(map: &ColourMap) -> Vec<[u8; 3]> {
 fn series(path: &Path) -> Option<Value> {
     let text = fs::read_to_string(path).ok()?;
     let mut lines = text.lines();
-    let names: Vec<&str> = lines.next()?.split(',').map(str::trim).collect();
+    let names = column_names(lines.next()?);
     // the last row of a run under way may be half written
     let rows: Vec<&str> = lines.filter(|line| line.split(',').count() == names.len()).collect();
     let stride = rows.len().div_ceil(MOST_ROWS).max(1);
-    let numbers = |row: &&str| row.split(',').map(|cell| cell.trim().parse::<f64>().ok().filter(|x| x.is_finite())).collect::<Vec<_>>();
+    let numbers = |row: &&str| row_numbers(row).map(|number| Some(number).filter(|number| number.is_finite())).collect::<Vec<_>>();
     Some(json!({ "names": names, "rows": rows.iter().step_by(stride).map(numbers).collect::<Vec<_>>(), "stride": stride }))
 }

@@ -8,14 +8,16 @@ use crate::{
     body::planes,
     contact::Partner,
     observe::FrameBody,
-    output::frames::{FlowLayer, FrameContact, FrameSurroundings, StoredFrame},
+    output::{
+        AXES,
+        frames::{FlowLayer, FrameContact, FrameSurroundings, StoredFrame},
+    },
 };
 
 /// Positions are known to this part of the smallest radius.
 const RESOLUTION: f64 = 1e-3;
 /// Cells of the flow that a frame keeps at most.
 const MOST_CELLS: usize = 1 << 15;
-const AXES: [&str; 3] = ["x", "y", "z"];
 /// Numbers that fill their range in 65535 steps, however wide that is.
 const ANY: f64 = f64::INFINITY;
 

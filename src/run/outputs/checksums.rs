@@ -98,8 +98,8 @@ mod tests {
         let kept = "step,time\n0,0.0\n1,0.5\n";
         assert_eq!(verify(&table, kept).unwrap(), None, "a table of an earlier version is read");
         let mut sums = Checksums::begin(&table, "step,time\n").unwrap();
-        let told = verify(&table, kept).unwrap().unwrap();
-        assert!(told.contains(".series.csv.sums: lacks the checksums of the last 2 lines"), "{told}");
+        let warning = verify(&table, kept).unwrap().unwrap();
+        assert!(warning.contains(".series.csv.sums: lacks the checksums of the last 2 lines"), "{warning}");
         sums.add("0,0.0\n1,0.5\n2,1.0\n").unwrap();
         assert_eq!(verify(&table, kept).unwrap(), None);
         for (altered, line) in [("step,time\n0,0.0\n1,0.6\n", 3), ("step,time\n1,0.5\n0,0.0\n", 2), ("step,Time\n0,0.0\n", 1)] {

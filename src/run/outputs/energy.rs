@@ -8,7 +8,7 @@ use crate::{
     error::{Error, Result},
     motion::Simulation,
     observe::EnergyRates,
-    output::{EnergySummary, Summary},
+    output::{Columns, EnergySummary, Summary},
     parallel::World,
     run::{Evaluated, Output},
 };
@@ -101,11 +101,9 @@ impl Balance {
 
     /// The balance of the last row of a table, if it has one.
     fn read(text: &str) -> Option<Balance> {
-        let names: Vec<&str> = text.lines().next()?.split(',').collect();
-        let row = |line: &str| line.split(',').map(|cell| cell.parse::<f64>().ok()).collect::<Vec<_>>();
-        let (first, last) = (row(text.lines().nth(1)?), row(text.lines().last()?));
-        let of = |row: &[Option<f64>], name: &str| row[names.iter().position(|known| *known == name)?];
-        let at_end = |name: &str| of(&last, name);
+        let table = Columns::parse(text);
+        let last = table.rows().checked_sub(1)?;
+        let at_end = |name: &str| table.number(name, last);
         let rates = EnergyRates {
             kinetic_energy: at_end("kinetic_energy")?,
             power: at_end("power")?,
@@ -115,7 +113,7 @@ impl Balance {
         };
         Some(Balance {
             time: at_end("time")?,
-            start: of(&first, "kinetic_energy")?,
+            start: table.number("kinetic_energy", 0)?,
             rates,
             work: at_end("work")?,
             dissipated: at_end("dissipated")?,

@@ -13,7 +13,7 @@ use crate::{
     mechanics::BodyState,
     motion::Simulation,
     observe::{ForceCoefficients, Stream},
-    output::Summary,
+    output::{AXES, Summary},
     parallel::World,
     run::{Evaluated, EvaluatedFlow, Output},
     scene::{MOST_WITH_FORCES, Scene},
@@ -66,7 +66,7 @@ impl<const D: usize> ForcesFile<D> {
 
 /// Names of the columns of a body.
 fn names<const D: usize>(body: usize, coefficients: bool) -> Vec<String> {
-    let vector = |name: &str| ["x", "y", "z"][..D].iter().map(|axis| format!("{name}_{axis}_{body}")).collect::<Vec<_>>();
+    let vector = |name: &str| AXES[..D].iter().map(|axis| format!("{name}_{axis}_{body}")).collect::<Vec<_>>();
     let across = |name: &str| if D == 2 { vec![format!("{name}_{body}")] } else { vector(name) };
     let of_stream = coefficients.then(|| [vec![format!("drag_{body}")], across("lift")].concat());
     [vector("force"), across("torque"), of_stream.unwrap_or_default()].concat()

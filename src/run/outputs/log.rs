@@ -52,9 +52,9 @@ impl RunLog {
     }
 
     /// Says that the run has ended.
-    pub fn end(&mut self, told: &str) {
+    pub fn end(&mut self, ending: &str) {
         let since = if self.times[0] > 0.0 { "went on" } else { "started" };
-        self.line(&format!("{told}, {} after it {since}", duration(self.seconds())));
+        self.line(&format!("{ending}, {} after it {since}", duration(self.seconds())));
     }
 
     /// Adds a line with the date; a log that cannot be written is given up.
@@ -103,11 +103,11 @@ impl<const D: usize> Output<D> for RunLog {
     }
 
     fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
-        let told = match &seen.motion {
+        let ending = match &seen.motion {
             Some(_) => format!("ended at time {} after {} steps", summary.time, summary.steps),
             None => "ended".to_owned(),
         };
-        self.end(&told);
+        self.end(&ending);
         Ok(vec![LOG.to_owned()])
     }
 }

@@ -19,7 +19,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::operators::signed,
     observe::{CellCenters, ProfileBody, ProfileContact, ProfileSums, Shear, SliceSample, Slices, inside},
-    output::{ProfileFrames, Summary, note, write_whole},
+    output::{AXES, ProfileFrames, Summary, note, row_numbers, write_whole},
     parallel::World,
     run::{Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
@@ -96,7 +96,7 @@ impl ProfileFiles {
             self.axes.iter().map(|&axis| ProfileFrames { axis, places: Vec::new(), frames: Vec::new() }).collect();
         let mut last = vec![f64::NAN; self.axes.len()];
         for line in text.lines().skip(1) {
-            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+            let cells: Vec<f64> = row_numbers(line).collect();
             let Some(number) = self.axes.iter().position(|&axis| axis as f64 == cells[1]).filter(|_| cells[0] >= begin) else { continue };
             let own = &mut all[number];
             if cells[0] != last[number] {
@@ -233,7 +233,7 @@ fn fluid_cells<const D: usize>(flow: &EvaluatedFlow<D>, bodies: &Bodies<D>) -> R
 
 /// Names of the numbers of a slice.
 fn sample_names<const D: usize>(stress: bool) -> Vec<String> {
-    let axes = &["x", "y", "z"][..D];
+    let axes = &AXES[..D];
     let mut names = vec!["fraction".to_owned()];
     names.extend(axes.iter().map(|axis| format!("particle_velocity_{axis}")));
     names.extend(axes.iter().map(|axis| format!("fluid_velocity_{axis}")));

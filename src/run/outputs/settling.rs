@@ -8,7 +8,7 @@ use std::{
 
 use crate::{
     error::Result,
-    output::Summary,
+    output::{Columns, Summary},
     run::{Evaluated, Output},
 };
 
@@ -39,18 +39,13 @@ fn speed_over_time(folder: &Path, gravity: &[f64]) -> Option<Vec<(f64, f64)>> {
     along(BufReader::new(file).lines().map_while(std::io::Result::ok), gravity)
 }
 
-fn along(mut lines: impl Iterator<Item = String>, gravity: &[f64]) -> Option<Vec<(f64, f64)>> {
-    let header = lines.next()?;
-    let place = |name: &str| header.split(',').position(|column| column == name);
-    let (time, columns) = (place("time")?, COLUMNS[..gravity.len()].iter().map(|name| place(name)).collect::<Option<Vec<usize>>>()?);
+fn along(lines: impl Iterator<Item = String>, gravity: &[f64]) -> Option<Vec<(f64, f64)>> {
+    let names = &COLUMNS[..gravity.len()];
+    let table = Columns::chosen(lines, |name| name == "time" || names.contains(&name));
+    let (times, columns) = (table.column("time")?, names.iter().map(|name| table.column(name)).collect::<Option<Vec<_>>>()?);
     let strength = gravity.iter().map(|component| component * component).sum::<f64>().sqrt();
-    let row = |line: String| {
-        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
-        let speed =
-            columns.iter().zip(gravity).map(|(&column, component)| Some(cells.get(column)? * component / strength)).sum::<Option<f64>>()?;
-        Some((*cells.get(time)?, speed)).filter(|(_, speed)| speed.is_finite())
-    };
-    Some(lines.filter_map(row).collect())
+    let speed = |row: usize| columns.iter().zip(gravity).map(|(column, component)| column[row] * component / strength).sum::<f64>();
+    Some(times.iter().enumerate().map(|(row, time)| (*time, speed(row))).filter(|(_, speed)| speed.is_finite()).collect())
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use super::checksums::{Checksums, verify};
 use super::kept_rows::kept_lines;
 use crate::{
     error::{Error, Offer, Refusal, Result},
-    output::{note, write_whole},
+    output::{column_names, note, write_whole},
     parallel::World,
 };
 
@@ -76,7 +76,7 @@ impl StepTable {
         let sums = Checksums::begin(path, &kept)?;
         write_whole(path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        let names: Vec<String> = kept.lines().next().map_or(Vec::new(), |header| header.split(',').map(str::to_owned).collect());
+        let names = kept.lines().next().map_or(Vec::new(), column_names);
         let (inherited, length) = (!names.is_empty(), kept.len() as u64);
         let table = StepTable { path: path.to_owned(), file, sums, length, names, inherited };
         Ok(Begun { table, kept, lost: unchecked.into_iter().collect() })
@@ -269,14 +269,14 @@ mod tests {
         let mut rows = begin(&folder, 0).unwrap().table;
         (0..5).for_each(|step| rows.write(&row(step)).unwrap());
         let whole = fs::read_to_string(&path).unwrap();
-        for (altered, told) in [
+        for (altered, message) in [
             (whole.replace("0.30000000000000004", "0.3"), ":5: is not the line that the run wrote"),
             (whole.replacen("0.1,,", "0.1,0.0,0.0,", 1), ":3: has 5 cells, and the header has 4 names"),
             (whole.replacen("\n0,", "\n4,", 1), ":3: is no row of a series"),
         ] {
             fs::write(&path, altered).unwrap();
             let refusal = begin(&folder, 5).err().unwrap().to_string();
-            assert!(refusal.contains(&format!("series.csv{told}")), "{refusal}");
+            assert!(refusal.contains(&format!("series.csv{message}")), "{refusal}");
         }
         // rows that go are not looked at, and a table without checksums is taken as it is
         fs::write(&path, whole.replace("0.30000000000000004", "0.3")).unwrap();

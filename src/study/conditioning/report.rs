@@ -19,7 +19,7 @@ const COLUMNS: &str = "part,dimension,preconditioner,cells,unknowns,smallest_eig
 
 /// All that the study found.
 #[derive(Serialize)]
-pub struct Report {
+pub struct ConditioningReport {
     /// Ranks.
     pub ranks: usize,
     /// Error in the energy norm at which iterations and seconds of the Laplacian are counted.
@@ -38,7 +38,7 @@ pub struct Report {
     pub fluid: Vec<Fluid>,
 }
 
-impl Report {
+impl ConditioningReport {
     /// Names and contents of the files.
     pub fn files(&self) -> [(&'static str, String); 4] {
         let json = serde_json::to_string(self).expect("a report is plain numbers and text");

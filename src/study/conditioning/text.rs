@@ -10,7 +10,7 @@ use super::{
     preconditioning::Preconditioning,
     rigidity::Rigidity,
 };
-use crate::study::table::{Row, aligned};
+use crate::experiment::table::{Row, aligned};
 
 /// What is solved, and how it is measured.
 pub fn introduction(ranks: usize) -> String {

@@ -2,10 +2,10 @@
 
 use super::{
     cheapest::ErrorCriterion,
-    findings::{Findings, MethodFinding, Point},
+    findings::{Findings, MethodFinding, SettingFinding},
     format::percent,
     ranges::ParameterRanges,
-    record::{Measured, Record},
+    record::{CostRecord, Measured},
     reference::{Finest, Limit, Reference},
     sensitivity::Sensitivity,
     sequence::RefinementSequence,
@@ -131,11 +131,11 @@ impl Analysis<'_> {
     }
 
     fn expect_some(&self) -> Result<()> {
-        let records = self.sweep.store.records();
+        let records = self.sweep.experiment.store.records();
         if records.iter().any(|record| record.measured().is_some()) {
             return Ok(());
         }
-        let reasons = records.iter().map(Record::to_string).collect::<Vec<_>>().join("\n");
+        let reasons = records.iter().map(CostRecord::to_string).collect::<Vec<_>>().join("\n");
         Err(Error::refused(format!("no setting could be measured:\n{reasons}")))
     }
 
@@ -181,7 +181,7 @@ impl Analysis<'_> {
     }
 
     fn sequences(&self, own: &MethodSettings) -> Vec<RefinementSequence<'_>> {
-        RefinementSequence::all(self.sweep.store.records(), &own.settings)
+        RefinementSequence::all(self.sweep.experiment.store.records(), &own.settings)
     }
 
     fn method(&self, own: &MethodSettings, reference: Option<&Reference>) -> MethodFinding {
@@ -205,15 +205,20 @@ impl Analysis<'_> {
         MethodFinding { order, seconds_exponent: seconds, cheapest: criterion.cheapest(&sequences).or_else(predicted), ..finding }
     }
 
-    fn point(&self, setting: &Setting, reference: Option<&Reference>) -> Option<Point> {
-        let record = self.sweep.store.find(setting)?;
+    fn point(&self, setting: &Setting, reference: Option<&Reference>) -> Option<SettingFinding> {
+        let record = self.sweep.experiment.store.find(setting)?;
         let error = |values: &[f64]| reference.map(|reference| self.sweep.metric.error(values, &reference.values));
-        Some(Point::of(record, self.sweep.metric.properties.radius, error, reference.map_or(0.0, |reference| reference.uncertainty)))
+        Some(SettingFinding::of(
+            record,
+            self.sweep.metric.properties.radius,
+            error,
+            reference.map_or(0.0, |reference| reference.uncertainty),
+        ))
     }
 
     /// A faster inverse that the runs could have taken.
     fn faster(&self) -> Option<String> {
-        let runs = self.sweep.store.records().iter().filter_map(|record| record.measured());
+        let runs = self.sweep.experiment.store.records().iter().filter_map(|record| record.measured());
         let inverse = runs.max_by(|one, two| one.unknowns.total_cmp(&two.unknowns))?.faster.clone()?;
         Some(format!("method.inverse = {inverse:?} suits this box and would solve faster: --set method.inverse={inverse}"))
     }

@@ -1,7 +1,7 @@
 //! Error against seconds, one line a method.
 
 use super::{
-    findings::{Findings, Point},
+    findings::{Findings, SettingFinding},
     format::percent,
     sequence::by_grid,
 };
@@ -11,14 +11,15 @@ use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
 pub fn svg(findings: &Findings) -> String {
     let methods: Vec<&str> = findings.methods.iter().map(|method| method.method.as_str()).collect();
     let uncertainty = findings.uncertainty();
-    let place = |point: &Point| {
+    let place = |point: &SettingFinding| {
         let error = point.error?.abs().max(uncertainty);
         Some((point.measured.as_ref()?.seconds(), error)).filter(|_| error > 0.0)
     };
     let chosen = findings.cheapest().map(|cheapest| &cheapest.setting);
     let (mut series, mut marks) = (Vec::new(), Vec::new());
     for method in methods {
-        let own: Vec<&Point> = findings.points.iter().filter(|point| point.setting.method == method && place(point).is_some()).collect();
+        let own: Vec<&SettingFinding> =
+            findings.points.iter().filter(|point| point.setting.method == method && place(point).is_some()).collect();
         if own.is_empty() {
             continue;
         }
@@ -43,7 +44,7 @@ pub fn svg(findings: &Findings) -> String {
 }
 
 /// Points of settings that differ in the grid alone, joined from the coarsest to the finest, with a gap between such lines.
-fn joined(own: &[&Point], place: impl Fn(&Point) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
+fn joined(own: &[&SettingFinding], place: impl Fn(&SettingFinding) -> Option<(f64, f64)>) -> Vec<(f64, f64)> {
     let lines = by_grid(own.iter().copied(), |point| &point.setting);
     let gap = || std::iter::once((f64::NAN, f64::NAN));
     lines.iter().flat_map(|line| line.iter().filter_map(|point| place(point)).chain(gap())).collect()

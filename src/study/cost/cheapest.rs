@@ -93,10 +93,13 @@ impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::record::{Measured, Outcome, Record, tests::run};
+    use crate::{
+        experiment::record::Outcome,
+        study::cost::record::{CostRecord, Measured, tests::run},
+    };
 
-    fn records(errors: &[(f64, f64)]) -> Vec<Record> {
-        let record = |&(cells, error): &(f64, f64)| Record {
+    fn records(errors: &[(f64, f64)]) -> Vec<CostRecord> {
+        let record = |&(cells, error): &(f64, f64)| CostRecord {
             setting: Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
             outcome: Outcome::Measured(Measured { values: vec![1.0 + error], ..run(1.0 / cells, 0.0) }),
         };

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     cheapest::Cheapest,
-    record::{Measured, Outcome, Record},
+    record::{CostRecord, Measured},
     reference::Reference,
     sensitivity::Sensitivity,
     setting::{Resolution, Setting},
@@ -30,7 +30,7 @@ pub struct Findings {
     /// What errors are measured against, if enough was measured to tell.
     pub reference: Option<Reference>,
     /// All settings that were swept.
-    pub points: Vec<Point>,
+    pub points: Vec<SettingFinding>,
     /// Method by method.
     pub methods: Vec<MethodFinding>,
     /// The scene as it is written, if it was measured.
@@ -44,7 +44,7 @@ pub struct Findings {
 
 /// A setting of the sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Point {
+pub struct SettingFinding {
     /// The setting.
     pub setting: Setting,
     /// Cells across the radius of the smallest body, as the grid was.
@@ -76,22 +76,19 @@ pub struct MethodFinding {
     pub cheapest: Option<Cheapest>,
 }
 
-impl Point {
+impl SettingFinding {
     /// Of a record; `error` tells the relative error of values, if there is a reference.
-    pub fn of(record: &Record, radius: Option<f64>, error: impl Fn(&[f64]) -> Option<f64>, uncertainty: f64) -> Point {
+    pub fn of(record: &CostRecord, radius: Option<f64>, error: impl Fn(&[f64]) -> Option<f64>, uncertainty: f64) -> SettingFinding {
         let measured = record.measured();
         let error = measured.and_then(|measured| error(&measured.values));
-        Point {
+        SettingFinding {
             setting: record.setting.clone(),
             cells_per_radius: measured.and_then(|measured| Some(radius? / measured.spacing)),
             value: measured.and_then(Measured::value),
             error,
             within_uncertainty: error.is_some_and(|error| error.abs() <= uncertainty),
             measured: measured.map(|measured| Measured { values: Vec::new(), ..measured.clone() }),
-            remark: match &record.outcome {
-                Outcome::Measured(_) => None,
-                Outcome::Failed(reason) => Some(reason.clone()),
-            },
+            remark: record.failure().map(str::to_owned),
         }
     }
 
@@ -117,7 +114,7 @@ impl Findings {
     }
 
     /// The point of a setting.
-    pub fn point(&self, setting: &Setting) -> Option<&Point> {
+    pub fn point(&self, setting: &Setting) -> Option<&SettingFinding> {
         self.points.iter().find(|point| point.setting == *setting)
     }
 

@@ -5,20 +5,20 @@ use std::{fs, path::Path};
 use serde_json::Value;
 
 use super::{
-    columns::StepColumns,
     properties::SceneProperties,
-    quantity::{Quantity, QuantityKind},
+    quantity::{CostQuantity, QuantityKind},
 };
 use crate::{
     error::{Error, Result},
-    study::summary::RunSummary,
+    experiment::summary::{RunSummary, numbers},
+    output::Columns,
 };
 
 /// A quantity of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Metric {
     /// The quantity.
-    pub quantity: Quantity,
+    pub quantity: CostQuantity,
     /// The scene as it is.
     pub properties: SceneProperties,
 }
@@ -66,7 +66,7 @@ impl Metric {
                 .zip(magnitude(summary, "/flow/mean_velocity"))
                 .map(|(gradient, velocity)| vec![gradient / (self.properties.viscosity * velocity)]),
             QuantityKind::MeanVelocity => magnitude(summary, "/flow/mean_velocity").map(|velocity| vec![velocity]),
-            QuantityKind::Reynolds => StepColumns::read(&folder.join("series.csv"))?.largest("reynolds").map(|largest| vec![largest]),
+            QuantityKind::Reynolds => Columns::read(&folder.join("series.csv"))?.largest("reynolds").map(|largest| vec![largest]),
             QuantityKind::Viscosity => summary.get("/viscosity/relative").map(|viscosity| vec![viscosity]),
             QuantityKind::Energy => summary.get("/scalar/energy").map(|energy| vec![energy]),
             QuantityKind::Value => self.each(&summary.0["scalar"]["inclusions"], |inclusion| Some(vec![inclusion["value"].as_f64()?])),
@@ -84,12 +84,7 @@ impl Metric {
     }
 
     fn drag(&self, summary: &RunSummary) -> Option<Vec<f64>> {
-        let bodies = summary.0["bodies"].as_array()?;
-        let force = |body: usize| numbers(&bodies.get(body)?["force"]);
-        let counted = self.counted().into_iter().map(force).collect::<Option<Vec<_>>>()?;
-        let mean: Vec<f64> = (0..self.properties.dimension)
-            .map(|axis| counted.iter().map(|force| force[axis]).sum::<f64>() / counted.len() as f64)
-            .collect();
+        let mean = summary.mean_of_bodies("force", self.counted())?;
         let size = norm(&mean);
         size.is_finite().then_some(vec![size])
     }
@@ -160,7 +155,7 @@ fn differences(values: &[Vec<f64>], points: usize, dimension: usize) -> Vec<f64>
 
 /// Length of the vector at a place of a summary.
 fn magnitude(summary: &RunSummary, place: &str) -> Option<f64> {
-    numbers(summary.0.pointer(place)?).map(|vector| norm(&vector))
+    summary.vector(place).map(|vector| norm(&vector))
 }
 
 fn velocity(body: &Value) -> Option<Vec<f64>> {
@@ -168,10 +163,6 @@ fn velocity(body: &Value) -> Option<Vec<f64>> {
     let mut all = numbers(&body["velocity"])?;
     all.extend(numbers(&body["spin"])?.iter().map(|spin| spin * radius));
     Some(all)
-}
-
-fn numbers(value: &Value) -> Option<Vec<f64>> {
-    value.as_array()?.iter().map(Value::as_f64).collect()
 }
 
 /// Root of the sum of squares.
@@ -189,7 +180,7 @@ mod tests {
     }
 
     fn read(kind: QuantityKind, body: Option<usize>, summary: &RunSummary) -> Option<Vec<f64>> {
-        Metric { quantity: Quantity { kind, body, probe: None }, properties: properties() }.read(summary, Path::new("")).ok()
+        Metric { quantity: CostQuantity { kind, body, probe: None }, properties: properties() }.read(summary, Path::new("")).ok()
     }
 
     #[test]
@@ -217,7 +208,7 @@ mod tests {
     #[test]
     fn positions_are_compared_across_the_sides_of_the_box() {
         let (_, properties) = suits("force = [1.0, 0.0]\n[time]\nend = 1\n");
-        let metric = |kind| Metric { quantity: Quantity { kind, body: None, probe: None }, properties: properties.clone() };
+        let metric = |kind| Metric { quantity: CostQuantity { kind, body: None, probe: None }, properties: properties.clone() };
         assert!((metric(QuantityKind::Position).error(&[3.9, 1.0], &[0.1, 1.0]) - 0.4).abs() < 1e-12, "0.2 are 0.4 radii");
         assert!((metric(QuantityKind::Drag).error(&[9.0], &[10.0]) + 0.1).abs() < 1e-12);
     }

@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use crate::{
     error::{Error, Result},
-    study::{
-        command::{SceneArguments, count, positive},
-        launcher::StartArguments,
-    },
+    experiment::launcher::StartArguments,
+    study::command::{SceneArguments, count, positive},
 };
 
 /// Budget of a method where nobody lists the grids.
@@ -15,7 +13,7 @@ const BUDGET: f64 = 60.0;
 
 /// What to measure, and how; empty lists leave the choice to the scene.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Cost {
+pub struct CostStudy {
     /// The scene.
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -84,7 +82,7 @@ pub struct Cost {
     pub fresh: bool,
 }
 
-impl Cost {
+impl CostStudy {
     /// Seconds of runs that a method may take: without end where grids are listed.
     pub fn seconds(&self) -> f64 {
         let listed = !(self.resolutions.is_empty() && self.spacings.is_empty());
@@ -116,8 +114,8 @@ fn not_negative(text: &str) -> std::result::Result<f64, String> {
 }
 
 #[cfg(test)]
-impl Default for Cost {
-    fn default() -> Cost {
+impl Default for CostStudy {
+    fn default() -> CostStudy {
         crate::study::command::from_words(&["scene.toml"])
     }
 }

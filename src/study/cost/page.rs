@@ -1,7 +1,7 @@
 //! `cost.html`: chart, table and sentences on one page that needs nothing else.
 
 use super::{chart, findings::Findings, sensitivity::ParameterChange, table, text};
-use crate::{output::escaped, study::table::Row};
+use crate::{experiment::table::Row, output::escaped};
 
 /// Light paper or dark, as the reader has it; the chart stays on light paper.
 const STYLE: &str = "\
@@ -79,18 +79,21 @@ fn parameters(findings: &Findings) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::{
-        findings::Point,
-        quantity::QuantityKind,
-        record::{Outcome, Record, tests::run},
-        setting::{Resolution, Setting},
+    use crate::{
+        experiment::record::Outcome,
+        study::cost::{
+            findings::SettingFinding,
+            quantity::QuantityKind,
+            record::{CostRecord, tests::run},
+            setting::{Resolution, Setting},
+        },
     };
 
     fn findings() -> Findings {
         let setting =
             |cells| Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
-        let measured = Record { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
-        let failed = Record { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
+        let measured = CostRecord { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
+        let failed = CostRecord { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
         Findings {
             title: "a & b".into(),
             quantity: "drag".into(),
@@ -100,7 +103,7 @@ mod tests {
             wanted: 1e-2,
             times: 1.0,
             reference: None,
-            points: [measured, failed].iter().map(|record| Point::of(record, Some(1.0), |_| Some(0.02), 0.0)).collect(),
+            points: [measured, failed].iter().map(|record| SettingFinding::of(record, Some(1.0), |_| Some(0.02), 0.0)).collect(),
             methods: Vec::new(),
             written: Some(setting(4.0)),
             sensitivities: Vec::new(),

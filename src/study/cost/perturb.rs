@@ -3,7 +3,7 @@
 use super::{
     metric::norm,
     properties::SceneProperties,
-    record::{Measured, Outcome},
+    record::Measured,
     sensitivity::{ParameterChange, Sensitivity},
     setting::{Setting, TimeStep, has_modes},
     step_error::StepError,
@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     error::Result,
+    experiment::record::Outcome,
     scene::{Scene, Tolerance},
 };
 
@@ -52,7 +53,7 @@ impl Sweep<'_> {
     pub fn step_error(&self, setting: &Setting, sensitivity: &Sensitivity) -> Option<StepError> {
         let step = setting.step.filter(|step| step.follows_grid(self.scene))?;
         let change = sensitivity.parameters.iter().find(|parameter| parameter.name == "step" && parameter.change.is_some())?;
-        let base = self.store.find(setting)?.measured()?;
+        let base = self.experiment.store.find(setting)?.measured()?;
         let lengths = [base.mean_step(self.scene.end()), self.shorter(step, base, &half_the_spacing(setting, base))];
         Some(StepError::of(&change.changes, lengths.map(TimeStep::length)))
     }
@@ -60,7 +61,7 @@ impl Sweep<'_> {
     /// Half a step; of one that follows the grid what it is in the mean on the grid of half the spacing, if that is measured, or half of what it is here.
     fn shorter(&self, step: TimeStep, base: &Measured, half: &Setting) -> TimeStep {
         let end = self.scene.end();
-        match self.store.find(half).and_then(|record| record.measured()) {
+        match self.experiment.store.find(half).and_then(|record| record.measured()) {
             _ if !step.follows_grid(self.scene) => step.times(0.5),
             Some(finer) => finer.mean_step(end),
             None => base.mean_step(end).times(0.5),
@@ -84,8 +85,7 @@ impl Sweep<'_> {
         if !self.affordable(&changed) {
             return Ok(none("takes longer than the sweep, or than --budget".into()));
         }
-        let outcome = self.record(&changed)?.outcome.clone();
-        Ok(match outcome {
+        Ok(match self.record(&changed)?.outcome.clone() {
             Outcome::Failed(reason) => none(reason),
             Outcome::Measured(measured) => {
                 let near = self.metric.near(&measured.values, &base.values);

@@ -47,7 +47,7 @@ pub const WORDS: [(&str, QuantityKind); 11] = [
 
 /// The quantity of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Quantity {
+pub struct CostQuantity {
     /// Which.
     pub kind: QuantityKind,
     /// Of this body alone, where it is one of bodies.

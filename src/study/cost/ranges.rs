@@ -1,7 +1,7 @@
 //! Which settings a sweep goes through: what the command line lists, or else what suits the scene.
 
 use super::{
-    options::Cost,
+    options::CostStudy,
     setting::{Resolution, Setting, TimeStep, has_modes},
 };
 use crate::{
@@ -35,7 +35,7 @@ impl ParameterRanges {
     ///
     /// # Errors
     /// A list holds what cannot be used.
-    pub fn of(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<ParameterRanges> {
+    pub fn of(options: &CostStudy, scene: &Scene, radius: Option<f64>) -> Result<ParameterRanges> {
         Ok(ParameterRanges {
             methods: methods(options, scene)?,
             grids: grids(options, scene, radius)?,
@@ -65,7 +65,7 @@ impl ParameterRanges {
     }
 }
 
-fn methods(options: &Cost, scene: &Scene) -> Result<Vec<String>> {
+fn methods(options: &CostStudy, scene: &Scene) -> Result<Vec<String>> {
     let suits = |word: &&str| *word != "fitted" || scene.dimension() == 2;
     let known: Vec<&str> = ConstraintMethod::WORDS.into_iter().filter(suits).collect();
     if options.methods.is_empty() {
@@ -77,7 +77,7 @@ fn methods(options: &Cost, scene: &Scene) -> Result<Vec<String>> {
     }
 }
 
-fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resolution>> {
+fn grids(options: &CostStudy, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resolution>> {
     let positive = |flag, list: &[f64]| listed(flag, list, "must be positive", |_| true);
     if !options.spacings.is_empty() {
         return Ok(positive("--spacings", &options.spacings)?.into_iter().flatten().map(Resolution::Spacing).collect());
@@ -101,7 +101,7 @@ fn grids(options: &Cost, scene: &Scene, radius: Option<f64>) -> Result<Vec<Resol
     })
 }
 
-fn modes(options: &Cost, scene: &Scene) -> Result<Vec<Option<usize>>> {
+fn modes(options: &CostStudy, scene: &Scene) -> Result<Vec<Option<usize>>> {
     let least = if scene.scalar() { 1 } else { 2 };
     if let Some(few) = options.modes.iter().find(|modes| **modes < least) {
         let why = if *few == 1 { ": a single one lets surfaces of bodies strain with the flow" } else { "" };
@@ -110,7 +110,7 @@ fn modes(options: &Cost, scene: &Scene) -> Result<Vec<Option<usize>>> {
     Ok(if options.modes.is_empty() { vec![None] } else { options.modes.iter().copied().map(Some).collect() })
 }
 
-fn steps(options: &Cost, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
+fn steps(options: &CostStudy, scene: &Scene) -> Result<Vec<Option<TimeStep>>> {
     let Some(own) = TimeStep::of(scene) else {
         return match options.steps.is_empty() && options.travels.is_empty() {
             true => Ok(vec![None]),
@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn spacings_halve_and_keep_whole_cells() {
         let scene = scene(ARRAY);
-        let ranges = ParameterRanges::of(&Cost::default(), &scene, Some(0.309)).unwrap();
+        let ranges = ParameterRanges::of(&CostStudy::default(), &scene, Some(0.309)).unwrap();
         let cells: Vec<f64> = ranges.grids.iter().map(|grid| 1.0 / grid.spacing(0.309)).map(|cells| (1e6 * cells).round() / 1e6).collect();
         assert_eq!(cells, [12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 96.0]);
         let settings = ranges.settings("sharp", &scene, 0.309);
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn methods_without_modes_have_no_list_of_modes() {
         let scene = scene(ARRAY);
-        let options = Cost { modes: vec![4, 8], resolutions: vec![6.0], tolerances: vec![1e-4, 1e-6], ..Cost::default() };
+        let options = CostStudy { modes: vec![4, 8], resolutions: vec![6.0], tolerances: vec![1e-4, 1e-6], ..CostStudy::default() };
         let ranges = ParameterRanges::of(&options, &scene, Some(0.309)).unwrap();
         assert_eq!(ranges.settings("distributed", &scene, 0.309).len(), 2);
         assert_eq!(ranges.settings("sharp", &scene, 0.309).len(), 5, "four, and the scene as it is written");
@@ -179,9 +179,9 @@ mod tests {
     #[test]
     fn steps_are_those_of_the_scene_unless_told() {
         let scene = scene(&format!("{ARRAY}[time]\nend = 1\nstep = 0.75\n"));
-        let steps = |options: &Cost| ParameterRanges::of(options, &scene, Some(0.309)).map(|ranges| ranges.steps);
-        assert_eq!(steps(&Cost::default()).unwrap(), [Some(TimeStep::Step(0.75)), Some(TimeStep::Step(0.375))]);
-        let travels = Cost { travels: vec![0.1], ..Cost::default() };
+        let steps = |options: &CostStudy| ParameterRanges::of(options, &scene, Some(0.309)).map(|ranges| ranges.steps);
+        assert_eq!(steps(&CostStudy::default()).unwrap(), [Some(TimeStep::Step(0.75)), Some(TimeStep::Step(0.375))]);
+        let travels = CostStudy { travels: vec![0.1], ..CostStudy::default() };
         assert_eq!(steps(&travels).unwrap(), [Some(TimeStep::Travel(0.1))]);
     }
 
@@ -189,7 +189,7 @@ mod tests {
     fn automatic_steps_of_a_flow_with_inertia_follow_the_grid_and_are_not_swept() {
         let with = |time: &str| {
             let text = format!("flow = {{ model = \"navier-stokes\", density = 1 }}\n{ARRAY}[time]\nend = 1\n{time}");
-            ParameterRanges::of(&Cost::default(), &scene(&text), Some(0.309)).unwrap().steps
+            ParameterRanges::of(&CostStudy::default(), &scene(&text), Some(0.309)).unwrap().steps
         };
         assert_eq!(with(""), [Some(TimeStep::Travel(0.1))]);
         assert_eq!(with("step = 0.25\n"), [0.5, 0.25, 0.125].map(|step| Some(TimeStep::Step(step))));
@@ -197,13 +197,13 @@ mod tests {
 
     #[test]
     fn lists_that_cannot_be_used_are_refused_with_their_flag() {
-        let with = |options: Cost| ParameterRanges::of(&options, &scene(ARRAY), Some(0.309)).unwrap_err().to_string();
-        let options = Cost::default;
-        assert_eq!(with(Cost { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
-        assert_eq!(with(Cost { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
-        assert_eq!(with(Cost { modes: vec![0], ..options() }), "--modes 0: must be at least 2");
-        assert!(with(Cost { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
-        let strange = with(Cost { methods: vec!["blunt".into()], ..options() });
+        let with = |options: CostStudy| ParameterRanges::of(&options, &scene(ARRAY), Some(0.309)).unwrap_err().to_string();
+        let options = CostStudy::default;
+        assert_eq!(with(CostStudy { resolutions: vec![4.0, -1.0], ..options() }), "--resolutions -1: must be positive");
+        assert_eq!(with(CostStudy { tolerances: vec![0.5], ..options() }), "--tolerances 0.5: must lie above 0 and not above 0.1");
+        assert_eq!(with(CostStudy { modes: vec![0], ..options() }), "--modes 0: must be at least 2");
+        assert!(with(CostStudy { steps: vec![0.1], ..options() }).starts_with("--steps: the scene is one instant"));
+        let strange = with(CostStudy { methods: vec!["blunt".into()], ..options() });
         assert_eq!(strange, "--methods blunt: must be some of sharp,mean-value,distributed,penalty,fitted");
     }
 }

@@ -12,27 +12,11 @@ use super::{
 };
 use crate::{
     error::Result,
-    study::{store::Recorded, summary::RunSummary},
+    experiment::{self, record::Outcome, summary::RunSummary},
 };
 
 /// A setting and what came of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// The setting.
-    pub setting: Setting,
-    /// What came of it.
-    pub outcome: Outcome,
-}
-
-/// What came of a setting.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// A run to its end.
-    Measured(Measured),
-    /// Why there is none.
-    Failed(String),
-}
+pub type CostRecord = experiment::record::Record<Setting, Measured>;
 
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,44 +52,21 @@ pub struct Measured {
     pub wall_seconds: f64,
 }
 
-impl Record {
-    /// The run, if it came to its end.
-    pub fn measured(&self) -> Option<&Measured> {
-        match &self.outcome {
-            Outcome::Measured(measured) => Some(measured),
-            Outcome::Failed(_) => None,
-        }
-    }
-}
-
-impl Recorded for Record {
-    type Setting = Setting;
-
-    fn setting(&self) -> &Setting {
-        &self.setting
-    }
-
-    /// Failures are tried again.
-    fn lasting(&self) -> bool {
-        self.measured().is_some()
-    }
-}
-
 /// The name of an inverse, of which earlier studies tell the seconds too.
 fn inverse_alone<'de, S: Deserializer<'de>>(source: S) -> std::result::Result<Option<String>, S::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
-    enum Told {
+    enum Inverse {
         Name(String),
         WithSeconds((String, f64)),
     }
-    Ok(Option::deserialize(source)?.map(|told| match told {
-        Told::Name(name) | Told::WithSeconds((name, _)) => name,
+    Ok(Option::deserialize(source)?.map(|written| match written {
+        Inverse::Name(name) | Inverse::WithSeconds((name, _)) => name,
     }))
 }
 
 /// What a run came to, in a line.
-impl fmt::Display for Record {
+impl fmt::Display for CostRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match &self.outcome {
             Outcome::Failed(reason) => reason.clone(),
@@ -175,8 +136,19 @@ fn spacing(summary: &RunSummary, setting: &Setting, metric: &Metric) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 pub mod tests {
+    use std::fs;
+
     use super::*;
+    use crate::{
+        experiment::{
+            arguments::Start,
+            store::{Identity, Store},
+        },
+        scene::Scene,
+        study::cost::setting::Resolution,
+    };
 
     /// A run with a value on a grid.
     pub fn run(spacing: f64, value: f64) -> Measured {
@@ -195,6 +167,42 @@ pub mod tests {
             boundary_layer: None,
             wall_seconds: 1.0,
         }
+    }
+
+    fn setting(cells: f64) -> Setting {
+        Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None }
+    }
+
+    #[test]
+    fn a_study_goes_on_with_its_own_runs_and_tries_failures_again() {
+        let folder = std::env::temp_dir().join(format!("turbid-store-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let open = |title: &str, fresh| {
+            let text = format!("title = {title:?}\ndomain.size = [1, 1]\nresolution.spacing = 0.1\n");
+            let scene = Scene::parse("scene", Path::new(""), &text, &[]).unwrap();
+            let start = Start { launcher: "srun -n {ranks}", petsc: &[], ranks: 1 };
+            Store::<CostRecord>::open(&folder, "cost.json", Identity::of_scene(&scene, "quantity", "drag", &start).unwrap(), fresh)
+        };
+        let mut store = open("one", false).unwrap();
+        let measured: Measured = serde_json::from_str(
+            r#"{"values": [0.1], "spacing": 0.3, "modes": 4, "unknowns": 10, "iterations": 3, "setup_seconds": 1, "solve_seconds": 2,
+                "steps": 0, "memory_bytes": 5, "faster": ["transform", 0.5], "wall_seconds": 4}"#,
+        )
+        .unwrap();
+        store.add(CostRecord { setting: setting(4.0), outcome: Outcome::Measured(measured.clone()) }).unwrap();
+        store.add(CostRecord { setting: setting(5.0), outcome: Outcome::Failed("no".into()) }).unwrap();
+        let again = open("one", false).unwrap();
+        assert_eq!(again.records().len(), 1);
+        assert_eq!(again.find(&setting(4.0)).unwrap().measured(), Some(&measured));
+        let refusal = open("two", false).err().unwrap().to_string();
+        assert!(
+            refusal.contains("holds a study that differs in the scene; choose another folder, or start anew with --fresh"),
+            "{refusal}"
+        );
+        assert!(open("two", true).unwrap().records().is_empty());
+        fs::write(folder.join("cost.json"), b"{").unwrap();
+        assert!(open("one", false).is_err());
+        fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{
     format::percent,
     metric::{Metric, norm},
-    options::Cost,
+    options::CostStudy,
     record::Measured,
     sensitivity::Sensitivity,
     setting::Setting,
@@ -54,7 +54,7 @@ pub struct Limit {
 
 impl Reference {
     /// The values that are given.
-    pub fn given(options: &Cost, metric: &Metric) -> Reference {
+    pub fn given(options: &CostStudy, metric: &Metric) -> Reference {
         let values = options.exact.clone();
         let given = values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
         let source = match options.uncertainty > 0.0 {
@@ -144,13 +144,13 @@ mod tests {
     use super::*;
     use crate::study::cost::{
         properties::SceneProperties,
-        quantity::{Quantity, QuantityKind},
+        quantity::{CostQuantity, QuantityKind},
         record::tests::run,
     };
 
     fn limit(value: impl Fn(f64) -> f64, spacings: &[f64], predicted: f64) -> Option<Limit> {
         let runs: Vec<Measured> = spacings.iter().map(|&spacing| run(spacing, value(spacing))).collect();
-        let quantity = Quantity { kind: QuantityKind::Drag, body: None, probe: None };
+        let quantity = CostQuantity { kind: QuantityKind::Drag, body: None, probe: None };
         let metric = Metric { quantity, properties: SceneProperties::default() };
         Limit::of(&runs.iter().collect::<Vec<_>>(), &metric, predicted)
     }

@@ -1,7 +1,7 @@
 //! Runs sorted into sequences: settings that differ in the grid alone, from the coarsest to the finest.
 
 use super::{
-    record::{Measured, Record},
+    record::{CostRecord, Measured},
     setting::Setting,
 };
 
@@ -17,7 +17,7 @@ pub struct RefinementSequence<'a> {
 
 impl<'a> RefinementSequence<'a> {
     /// The sequences of the settings of a method.
-    pub fn all(records: &'a [Record], settings: &[Setting]) -> Vec<RefinementSequence<'a>> {
+    pub fn all(records: &'a [CostRecord], settings: &[Setting]) -> Vec<RefinementSequence<'a>> {
         let records = settings.iter().filter_map(|setting| records.iter().find(|record| record.setting == *setting));
         let runs = records.filter_map(|record| Some((&record.setting, record.measured()?)));
         let groups = by_grid(runs, |(setting, _)| setting);
@@ -72,21 +72,24 @@ pub fn by_grid<T>(items: impl IntoIterator<Item = T>, setting: impl Fn(&T) -> &S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::cost::{
-        record::{Outcome, tests::run},
-        setting::{Resolution, TimeStep},
+    use crate::{
+        experiment::record::Outcome,
+        study::cost::{
+            record::tests::run,
+            setting::{Resolution, TimeStep},
+        },
     };
 
-    fn record(cells: f64, step: f64) -> Record {
+    fn record(cells: f64, step: f64) -> CostRecord {
         let step = Some(TimeStep::Step(step));
         let setting = Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step };
-        Record { setting, outcome: Outcome::Measured(run(1.0 / cells, cells)) }
+        CostRecord { setting, outcome: Outcome::Measured(run(1.0 / cells, cells)) }
     }
 
     #[test]
     fn the_main_sequence_has_enough_grids_and_then_the_shortest_steps() {
         let places = [(4.0, 0.2), (4.0, 0.1), (4.0, 0.05), (6.0, 0.2), (6.0, 0.1), (6.0, 0.05), (8.0, 0.2), (8.0, 0.1)];
-        let mut records: Vec<Record> = places.map(|(cells, step)| record(cells, step)).to_vec();
+        let mut records: Vec<CostRecord> = places.map(|(cells, step)| record(cells, step)).to_vec();
         let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
         records.push(record(16.0, 0.05));
         let sequences = RefinementSequence::all(&records, &settings);

@@ -7,8 +7,8 @@
 
 use std::path::Path;
 
-use super::{columns::StepColumns, metric::Metric, quantity::QuantityKind};
-use crate::{error::Result, study::summary::RunSummary};
+use super::{metric::Metric, quantity::QuantityKind};
+use crate::{error::Result, experiment::summary::RunSummary, output::Columns};
 
 /// Ratio of the two deviations below which there is no decay.
 const SWINGS: f64 = 1.5;
@@ -43,11 +43,11 @@ pub fn still_to_come(metric: &Metric, summary: &RunSummary, folder: &Path) -> Re
 
 /// Times and the quantity as far as tables tell it, or else the kinetic energy of the flow.
 fn history(metric: &Metric, folder: &Path) -> Result<Vec<(f64, f64)>> {
-    let (series, forces) = (StepColumns::read(&folder.join("series.csv"))?, folder.join("forces.csv"));
+    let (series, forces) = (Columns::read(&folder.join("series.csv"))?, folder.join("forces.csv"));
     let force = |body: usize| move |axis: &str| format!("force_{axis}_{body}");
     // tables of forces have room for so many bodies only
     let forces = if forces.exists() {
-        StepColumns::read(&forces)?.mean_lengths(&metric.counted().into_iter().map(force).collect::<Vec<_>>())
+        Columns::read(&forces)?.mean_lengths(&metric.counted().into_iter().map(force).collect::<Vec<_>>())
     } else {
         None
     };
@@ -58,10 +58,10 @@ fn history(metric: &Metric, folder: &Path) -> Result<Vec<(f64, f64)>> {
             Some(forces.iter().zip(&velocities).map(|(force, velocity)| force / velocity).collect())
         }
         (QuantityKind::MeanVelocity, _, Some(velocities)) => Some(velocities),
-        _ => series.column("kinetic_energy"),
+        _ => series.column("kinetic_energy").map(<[f64]>::to_vec),
     };
     let times = series.column("time").unwrap_or_default();
-    Ok(times.into_iter().zip(values.unwrap_or_default()).filter(|(_, value)| value.is_finite()).collect())
+    Ok(times.iter().copied().zip(values.unwrap_or_default()).filter(|(_, value)| value.is_finite()).collect())
 }
 
 /// What is still to come of a history, relative to its last value.

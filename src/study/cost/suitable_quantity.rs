@@ -2,9 +2,9 @@
 
 use super::{
     metric::Metric,
-    options::Cost,
+    options::CostStudy,
     properties::SceneProperties,
-    quantity::{Quantity, QuantityKind, WORDS},
+    quantity::{CostQuantity, QuantityKind, WORDS},
 };
 use crate::{
     error::{Error, Result},
@@ -19,7 +19,7 @@ impl Metric {
     ///
     /// # Errors
     /// It has no meaning in this scene, or the true values that are given cannot be its own.
-    pub fn of(options: &Cost, scene: &Scene) -> Result<Metric> {
+    pub fn of(options: &CostStudy, scene: &Scene) -> Result<Metric> {
         let properties = SceneProperties::of(scene)?;
         let metric = Metric { quantity: properties.quantity(options, scene)?, properties };
         metric.check_exact(options)?;
@@ -28,7 +28,7 @@ impl Metric {
 }
 
 impl SceneProperties {
-    fn quantity(&self, options: &Cost, scene: &Scene) -> Result<Quantity> {
+    fn quantity(&self, options: &CostStudy, scene: &Scene) -> Result<CostQuantity> {
         let kind = match &options.quantity {
             Some(word) => self.named(word, scene)?,
             None => self.suitable(scene),
@@ -41,7 +41,7 @@ impl SceneProperties {
             Some(body) if body >= self.held.len() => {
                 Err(Error::refused(format!("--body {body}: must be below the number of bodies, {}", self.held.len())))
             }
-            body => Ok(Quantity { kind, body, probe }),
+            body => Ok(CostQuantity { kind, body, probe }),
         }
     }
 
@@ -101,7 +101,7 @@ fn has_resistance(drive: Option<&Drive>) -> bool {
 
 impl Metric {
     /// Refuses true values that cannot be those of the quantity: there are more or fewer than it has, or it has none that could be given.
-    fn check_exact(&self, options: &Cost) -> Result<()> {
+    fn check_exact(&self, options: &CostStudy) -> Result<()> {
         let (given, word) = (options.exact.len(), self.quantity.kind.word());
         if given == 0 {
             let lonely = options.uncertainty > 0.0;
@@ -136,14 +136,14 @@ mod tests {
     use super::*;
     use crate::study::cost::properties::tests::suits;
 
-    fn chosen(extra: &str, options: &Cost) -> std::result::Result<QuantityKind, String> {
+    fn chosen(extra: &str, options: &CostStudy) -> std::result::Result<QuantityKind, String> {
         let (scene, properties) = suits(extra);
         properties.quantity(options, &scene).map(|quantity| quantity.kind).map_err(|error| error.to_string())
     }
 
     #[test]
     fn the_scene_chooses_the_quantity() {
-        let default = Cost::default();
+        let default = CostStudy::default();
         assert_eq!(chosen("motion = \"fixed\"\n[flow]\ndrive = { mean_velocity = [1, 0] }\n", &default), Ok(QuantityKind::Drag));
         assert_eq!(chosen("[flow]\ndrive = { shear_rate = 1 }\n", &default), Ok(QuantityKind::Viscosity));
         assert_eq!(chosen("force = [1.0, 0.0]\n", &default), Ok(QuantityKind::Velocity));
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_quantity_without_a_meaning_is_refused() {
-        let asked = |word: &str, body| Cost { quantity: Some(word.into()), body, ..Cost::default() };
+        let asked = |word: &str, body| CostStudy { quantity: Some(word.into()), body, ..CostStudy::default() };
         assert_eq!(chosen("", &asked("drag", None)), Err("--quantity drag: no body is held; choose velocity".into()));
         assert!(chosen("", &asked("weight", None)).unwrap_err().starts_with("--quantity weight: must be one of drag, viscosity"));
         assert!(chosen("", &asked("position", None)).unwrap_err().contains("nothing moves at an instant"));

@@ -4,20 +4,21 @@ use std::{fs, path::PathBuf, time::Instant};
 
 use super::{
     metric::Metric,
-    options::Cost,
+    options::CostStudy,
     properties::SceneProperties,
-    record::{Measured, Outcome, Record},
+    record::{CostRecord, Measured},
     setting::{Setting, TimeStep, has_modes},
 };
 use crate::{
-    error::{Error, Result},
+    error::Result,
+    experiment::{
+        Experiment,
+        launcher::{Job, WITHOUT_PICTURE},
+        record::Outcome,
+    },
     output::say,
     scene::Scene,
-    study::{
-        fit::Power,
-        launcher::{Job, Launcher, Scratch, WITHOUT_PICTURE},
-        store::Store,
-    },
+    study::fit::Power,
 };
 
 /// How seconds grow with the cells of a grid, at least and at most: in proportion, or with the iterations of a solver that feels the grid.
@@ -29,17 +30,13 @@ const NEGLIGIBLE: f64 = 5.0;
 /// The runs of a study.
 pub struct Sweep<'a> {
     /// What was asked for.
-    pub options: &'a Cost,
+    pub options: &'a CostStudy,
     /// The scene as runs have it.
     pub scene: &'a Scene,
     /// What is measured.
     pub metric: Metric,
-    /// What was measured.
-    pub store: Store<Record>,
-    /// What starts runs.
-    pub launcher: Launcher,
-    /// Where they leave their output.
-    pub scratch: &'a Scratch,
+    /// What runs them, and what was measured.
+    pub experiment: Experiment<CostRecord>,
     /// Settings of the sequences so far. What is affordable follows from these alone, so that a study that goes on decides as it did.
     pub measured: Vec<Setting>,
 }
@@ -53,7 +50,7 @@ impl Sweep<'_> {
         let (mut spent, budget) = (0.0, self.options.seconds());
         for (place, setting) in settings.iter().enumerate() {
             let predicted = self.predicted(setting).unwrap_or(0.0);
-            if self.store.find(setting).is_none() && spent + predicted > budget {
+            if self.experiment.store.find(setting).is_none() && spent + predicted > budget {
                 let left = settings.len() - place;
                 return Ok(Some(format!(
                     "{}: {left} of {} settings left out from {} on: about {predicted:.0} s more, beyond --budget {budget}",
@@ -72,15 +69,15 @@ impl Sweep<'_> {
     ///
     /// # Errors
     /// The run cannot be started, or its result cannot be written.
-    pub fn record(&mut self, setting: &Setting) -> Result<&Record> {
-        if self.store.find(setting).is_none() {
+    pub fn record(&mut self, setting: &Setting) -> Result<&CostRecord> {
+        if self.experiment.store.find(setting).is_none() {
             let outcome = self.run(setting)?;
-            let record = Record { setting: setting.clone(), outcome };
+            let record = CostRecord { setting: setting.clone(), outcome };
             let progress = record.to_string();
-            self.store.add(record)?;
+            self.experiment.store.add(record)?;
             say(&progress)?;
         }
-        Ok(self.store.find(setting).expect("it is there or was added"))
+        Ok(self.experiment.store.find(setting).expect("it is there or was added"))
     }
 
     /// Seconds by the clock that a run would take, from the heaviest run of its method; nothing if there was none.
@@ -117,12 +114,12 @@ impl Sweep<'_> {
             matches!(setting.step, Some(TimeStep::Step(_))) && TimeStep::of(self.scene).is_some_and(|step| step.follows_grid(self.scene));
         let spent = self.runs().map(|(_, run)| run.wall_seconds).sum::<f64>().max(NEGLIGIBLE);
         let most = self.options.seconds().min(if own_step { 2.0 * spent } else { spent });
-        self.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= most)
+        self.experiment.store.find(setting).is_some() || self.predicted(setting).is_some_and(|seconds| seconds <= most)
     }
 
     /// The runs of the sequences so far.
     fn runs(&self) -> impl Iterator<Item = (&Setting, &Measured)> {
-        self.measured.iter().filter_map(|setting| Some((setting, self.store.find(setting)?.measured()?)))
+        self.measured.iter().filter_map(|setting| Some((setting, self.experiment.store.find(setting)?.measured()?)))
     }
 
     /// The scene with a setting.
@@ -133,25 +130,25 @@ impl Sweep<'_> {
         Scene::read(&self.options.scene.scene, &[&self.options.scene.overrides[..], setting].concat())
     }
 
-    fn run(&self, setting: &Setting) -> Result<Outcome> {
+    fn run(&self, setting: &Setting) -> Result<Outcome<Measured>> {
         let order = |scene: Scene| if has_modes(&setting.method) { Ok(SceneProperties::of(&scene)?.modes) } else { Ok(None) };
         let modes = match self.scene_with(&setting.overrides()).and_then(order) {
             Ok(modes) => modes,
             Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),
         };
         let (overrides, folder) = (self.overrides(setting), self.out());
-        let Cost { scene, ranks, start, .. } = self.options;
+        let CostStudy { scene, ranks, start, .. } = self.options;
         let job = Job { scene: &scene.scene, overrides: &overrides, folder: &folder, ranks: *ranks, repeat: start.repeat };
         let begin = Instant::now();
-        let measured = self.launcher.attempt(&job, |path| Measured::read(path, setting, &self.metric), Measured::seconds)?;
-        Ok(match measured {
-            Ok(measured) => Outcome::Measured(Measured { modes, wall_seconds: begin.elapsed().as_secs_f64(), ..measured }),
-            Err(failure) => Outcome::Failed(reason(&failure)),
+        let outcome = self.experiment.launcher.outcome(&job, |path| Measured::read(path, setting, &self.metric), Measured::seconds)?;
+        Ok(match outcome {
+            Outcome::Measured(measured) => Outcome::Measured(Measured { modes, wall_seconds: begin.elapsed().as_secs_f64(), ..measured }),
+            failed => failed,
         })
     }
 
     fn out(&self) -> PathBuf {
-        let out = self.scratch.0.join("out");
+        let out = self.experiment.folder.scratch.0.join("out");
         // what a failed run has left there
         let _ = fs::remove_dir_all(&out);
         out
@@ -170,11 +167,4 @@ impl Sweep<'_> {
         }
         overrides
     }
-}
-
-/// What a failed run said of itself.
-fn reason(failure: &Error) -> String {
-    let text = failure.to_string();
-    let own = text.split_once("turbid: ").map_or(text.as_str(), |(_, own)| own);
-    own.lines().collect::<Vec<_>>().join(" ")
 }

@@ -1,11 +1,11 @@
 //! The settings of a study as tables.
 
 use super::{
-    findings::{Findings, Point},
+    findings::{Findings, SettingFinding},
     format::{percent, seconds, signed, thousands, two_digits},
     record::Measured,
 };
-use crate::study::table::{Row, number, quoted};
+use crate::experiment::table::{Row, number, quoted};
 
 /// The table of all settings for people.
 pub fn settings(findings: &Findings) -> Vec<Row<'_>> {
@@ -19,7 +19,7 @@ pub fn settings(findings: &Findings) -> Vec<Row<'_>> {
     findings.points.iter().map(row).collect()
 }
 
-fn cells<'a>(point: &Point, findings: &Findings) -> Row<'a> {
+fn cells<'a>(point: &SettingFinding, findings: &Findings) -> Row<'a> {
     let none = || "-".to_owned();
     let of = |read: fn(&Measured) -> String| point.measured.as_ref().map_or_else(none, read);
     let setting = &point.setting;
@@ -42,7 +42,7 @@ fn cells<'a>(point: &Point, findings: &Findings) -> Row<'a> {
 
 /// The same for `cost.csv`.
 pub fn numbers(findings: &Findings) -> Vec<Row<'static>> {
-    let row = |point: &Point| {
+    let row = |point: &SettingFinding| {
         let of = |read: fn(&Measured) -> f64| number(point.measured.as_ref().map(read));
         vec![
             ("method", point.setting.method.clone()),
@@ -85,7 +85,7 @@ pub fn at_wanted<'a>(findings: &Findings, wanted: &'a str) -> Vec<Row<'a>> {
     row.collect()
 }
 
-fn error(point: &Point, uncertainty: f64) -> String {
+fn error(point: &SettingFinding, uncertainty: f64) -> String {
     match (point.error, &point.remark) {
         (_, Some(remark)) => remark.clone(),
         (None, None) => "-".into(),

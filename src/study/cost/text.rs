@@ -7,7 +7,7 @@ use super::{
     sensitivity::{ParameterChange, Sensitivity},
     table::{at_wanted, settings},
 };
-use crate::study::table::markdown;
+use crate::experiment::table::markdown;
 
 /// The table, the sentences and what there is to be said about parameters.
 pub fn report(findings: &Findings) -> String {

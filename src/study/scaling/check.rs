@@ -6,7 +6,7 @@ use super::{
     kind::ScalingKind,
     model::{Network, Sample, ScalingModel, Work},
 };
-use crate::study::table::{Row, markdown};
+use crate::experiment::table::{Row, markdown};
 
 /// A measured run, and what the model says of it that was fitted to all others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::{error::Result, output::ParallelSummary, study::summary::RunSummary};
+use crate::{error::Result, experiment::summary::RunSummary, output::ParallelSummary};
 
 /// What a run cost. Of a scene in time these are its steps without the set-up, of an instant all of it.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,16 +5,16 @@ use serde::Serialize;
 use super::{
     check::{self, Check},
     model::{Network, ScalingModel},
-    table::Table,
+    table::ScalingTable,
 };
 use crate::{
+    experiment::table::csv,
     output::{Chart, Scale},
-    study::table::csv,
 };
 
 /// All that the study found.
 #[derive(Serialize)]
-pub struct Report {
+pub struct ScalingReport {
     /// Title of the scene.
     pub scene: String,
     /// Whether seconds are those of a step, not of an instant.
@@ -26,9 +26,9 @@ pub struct Report {
     /// Cores that the launcher reaches.
     pub cores: usize,
     /// The same scene on more ranks.
-    pub strong: Table,
+    pub strong: ScalingTable,
     /// A scene that grows with the ranks.
-    pub weak: Option<Table>,
+    pub weak: Option<ScalingTable>,
     /// Why there is none.
     pub weak_refusal: Option<String>,
     /// Assumed for the model.
@@ -39,7 +39,7 @@ pub struct Report {
     pub checks: Vec<Check>,
 }
 
-impl Report {
+impl ScalingReport {
     /// The tables and what is to be said about them.
     pub fn markdown(&self) -> String {
         let mut text = format!("{}\n\nStrong scaling: the same scene.\n\n{}\n\n", self.scene, self.strong.markdown());
@@ -95,7 +95,7 @@ impl Report {
         [("scaling.json", json + "\n"), ("scaling.csv", self.csv()), ("scaling.svg", self.chart().svg())]
     }
 
-    fn tables(&self) -> impl Iterator<Item = (&'static str, &Table)> {
+    fn tables(&self) -> impl Iterator<Item = (&'static str, &ScalingTable)> {
         [("strong", Some(&self.strong)), ("weak", self.weak.as_ref())].into_iter().filter_map(|(kind, table)| Some((kind, table?)))
     }
 

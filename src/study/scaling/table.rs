@@ -9,13 +9,13 @@ use super::{
 };
 use crate::{
     error::Error,
+    experiment::table::{Row, markdown, number, quoted},
     output::{ParallelSummary, Series, Spread},
-    study::table::{Row, markdown, number, quoted},
 };
 
 /// Rows for rising numbers of ranks.
 #[derive(Serialize)]
-pub struct Table {
+pub struct ScalingTable {
     measured: Vec<RunRow>,
     model: Vec<RunRow>,
 }
@@ -133,12 +133,12 @@ fn plain(seconds: f64) -> String {
     if seconds < 0.1 { format!("{seconds:.2e}") } else { format!("{seconds:.3}") }
 }
 
-impl Table {
+impl ScalingTable {
     /// Rows with their efficiencies, each list by its own first row.
-    pub fn new(mut measured: Vec<RunRow>, mut model: Vec<RunRow>, weak: bool) -> Table {
+    pub fn new(mut measured: Vec<RunRow>, mut model: Vec<RunRow>, weak: bool) -> ScalingTable {
         rate(&mut measured, weak);
         rate(&mut model, weak);
-        Table { measured, model }
+        ScalingTable { measured, model }
     }
 
     /// All rows with their source.

@@ -4,14 +4,14 @@ use serde::Serialize;
 
 use super::{
     reading::{Over, Reading},
-    record::{Measured, Outcome, Record},
+    record::{Measured, SweepRecord},
     vary::Assignment,
 };
-use crate::observe::statistics::student;
+use crate::observe::statistics::{mean, standard_error, student};
 
 /// What is known of a point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Point {
+pub struct SweepPoint {
     /// Keys with their values.
     pub point: Vec<Assignment>,
     /// The quantities, in the order of the command line.
@@ -45,18 +45,18 @@ pub struct Estimate {
     pub steady: usize,
 }
 
-impl Point {
+impl SweepPoint {
     /// Of its runs.
-    pub fn of(point: &[Assignment], names: &[String], records: &[&Record]) -> Point {
+    pub fn of(point: &[Assignment], names: &[String], records: &[&SweepRecord]) -> SweepPoint {
         let measured: Vec<&Measured> = records.iter().filter_map(|record| record.measured()).collect();
-        let mean = |number: fn(&Measured) -> f64| mean(&measured.iter().map(|run| number(run)).collect::<Vec<_>>());
+        let mean = |number: fn(&Measured) -> f64| known(mean(&measured.iter().map(|run| number(run)).collect::<Vec<_>>()));
         let estimate =
             |(place, name): (usize, &String)| Estimate::of(name, &measured.iter().map(|run| run.readings[place]).collect::<Vec<_>>());
-        let failure = |record: &&Record| match &record.outcome {
-            Outcome::Failed(reason) => Some(record.setting.seed.map_or(reason.clone(), |seed| format!("seed {seed}: {reason}"))),
-            Outcome::Measured(_) => None,
+        let failure = |record: &&SweepRecord| {
+            let reason = record.failure()?;
+            Some(record.setting.seed.map_or(reason.to_owned(), |seed| format!("seed {seed}: {reason}")))
         };
-        Point {
+        SweepPoint {
             point: point.to_vec(),
             quantities: names.iter().enumerate().map(estimate).collect(),
             fraction: mean(|run| run.fraction),
@@ -75,13 +75,9 @@ impl Estimate {
         let alike = |reading: &Reading| if steady < readings.len() { reading.over_second_half() } else { *reading };
         let alike: Vec<Reading> = readings.iter().map(alike).collect();
         let values: Vec<f64> = alike.iter().map(|reading| reading.value).collect();
-        let (mean, count) = (mean(&values), values.len() as f64);
-        let standard_error = mean.filter(|_| count > 1.0).map(|mean| {
-            let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-            (squares / (count * (count - 1.0))).sqrt()
-        });
+        let [mean, standard_error] = [mean(&values), standard_error(&values)].map(known);
         let over_time = || if let [run] = alike[..] { run.half_width } else { None };
-        let half_width = standard_error.map(|error| student(count - 1.0) * error).or_else(over_time);
+        let half_width = standard_error.map(|error| student(values.len() as f64 - 1.0) * error).or_else(over_time);
         let interval = mean.zip(half_width).map(|(mean, half)| [mean - half, mean + half]);
         Estimate { name: name.into(), mean, standard_error, interval, over: alike.first().map(|reading| reading.over), steady }
     }
@@ -96,23 +92,24 @@ impl Estimate {
     }
 }
 
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+/// A number, if it is one.
+fn known(number: f64) -> Option<f64> {
+    (!number.is_nan()).then_some(number)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::sweep::record::Setting;
+    use crate::{experiment::record::Outcome, study::sweep::record::SweepSetting};
 
-    fn record(seed: u64, reading: Option<Reading>) -> Record {
-        let setting = Setting { point: vec![("a".into(), "1".into())], seed: Some(seed) };
+    fn record(seed: u64, reading: Option<Reading>) -> SweepRecord {
+        let setting = SweepSetting { point: vec![("a".into(), "1".into())], seed: Some(seed) };
         let measured = |reading| Outcome::Measured(Measured { readings: vec![reading], fraction: 0.3, seconds: 2.0, folder: None });
-        Record { setting, outcome: reading.map_or(Outcome::Failed("no room".into()), measured) }
+        SweepRecord { setting, outcome: reading.map_or(Outcome::Failed("no room".into()), measured) }
     }
 
-    fn point(records: &[Record]) -> Point {
-        Point::of(&records[0].setting.point, &["viscosity".into()], &records.iter().collect::<Vec<_>>())
+    fn point(records: &[SweepRecord]) -> SweepPoint {
+        SweepPoint::of(&records[0].setting.point, &["viscosity".into()], &records.iter().collect::<Vec<_>>())
     }
 
     #[test]

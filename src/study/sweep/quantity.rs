@@ -4,12 +4,12 @@ use std::{fs, path::Path};
 
 use crate::{
     error::{Error, Result},
+    experiment::summary::RunSummary,
     observe::statistics::mean_from,
-    output::{CurvePoint, MeanViscosity},
+    output::{AXES, Columns, CurvePoint, MeanViscosity},
     scene::{AxisSection, Drive, Motion, Scene},
     study::{
         cost::SceneProperties,
-        summary::RunSummary,
         sweep::reading::{Over, Reading},
     },
 };
@@ -17,12 +17,9 @@ use crate::{
 /// Part of a run in time that is left out of a mean where nothing says when it became steady.
 const START_UP: f64 = 0.5;
 
-/// Names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
-
 /// What is read.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Quantity {
+pub enum SweepQuantity {
     /// Relative viscosity: its mean over the steady part of a run in time.
     Viscosity,
     /// Magnitude of the mean force by the fluid on held bodies, at the end.
@@ -37,18 +34,18 @@ pub enum Quantity {
     Entry(String),
 }
 
-impl Quantity {
+impl SweepQuantity {
     /// That of a word, or the one that the scene is about.
     ///
     /// # Errors
     /// [`Error::Refused`] if it has no meaning in the scene, or the scene is about none.
-    pub fn of(word: Option<&str>, scene: &Scene) -> Result<Quantity> {
+    pub fn of(word: Option<&str>, scene: &Scene) -> Result<SweepQuantity> {
         let free = scene.bodies.iter().all(|group| group.motion == Motion::Free);
         let Some(word) = word else {
             return match () {
-                () if sheared(scene) && free => Ok(Quantity::Viscosity),
-                () if !scene.dry() && !scene.scalar() && !free => Ok(Quantity::Drag),
-                () => settling(scene).map(Quantity::Settling).ok_or_else(|| {
+                () if sheared(scene) && free => Ok(SweepQuantity::Viscosity),
+                () if !scene.dry() && !scene.scalar() && !free => Ok(SweepQuantity::Drag),
+                () => settling(scene).map(SweepQuantity::Settling).ok_or_else(|| {
                     Error::refused(
                         "--quantity: the scene shears no suspension, holds no body and has no gravity; name a column of series.csv, as \
                          series.kinetic_energy, or a key of summary.json, as flow.mean_velocity.0",
@@ -59,18 +56,18 @@ impl Quantity {
         let refuse = |reason: &str| Err(Error::refused(format!("--quantity {word}: {reason}")));
         match word {
             "viscosity" if !(sheared(scene) && free) => refuse("belongs to free bodies in a shear; choose another"),
-            "viscosity" => Ok(Quantity::Viscosity),
+            "viscosity" => Ok(SweepQuantity::Viscosity),
             "drag" if free || scene.dry() || scene.scalar() => refuse("no body is held in a flow; choose settling or another"),
-            "drag" => Ok(Quantity::Drag),
+            "drag" => Ok(SweepQuantity::Drag),
             "settling" => match settling(scene) {
-                Some(direction) => Ok(Quantity::Settling(direction)),
+                Some(direction) => Ok(SweepQuantity::Settling(direction)),
                 None => refuse("belongs to free bodies under gravity or a force; choose another"),
             },
             _ => match word.split_once('.') {
                 Some(("series" | "last", _)) if scene.time.is_none() => refuse("an instant has no series; choose a key of summary.json"),
-                Some(("series", column)) => Ok(Quantity::Column(column.to_owned())),
-                Some(("last", column)) => Ok(Quantity::Last(column.to_owned())),
-                Some(_) => Ok(Quantity::Entry(word.to_owned())),
+                Some(("series", column)) => Ok(SweepQuantity::Column(column.to_owned())),
+                Some(("last", column)) => Ok(SweepQuantity::Last(column.to_owned())),
+                Some(_) => Ok(SweepQuantity::Entry(word.to_owned())),
                 None => refuse(
                     "must be viscosity, drag, settling, a column as series.kinetic_energy, its last entry as last.kinetic_energy, or a key of \
                      summary.json as flow.mean_velocity.0",
@@ -83,45 +80,45 @@ impl Quantity {
     ///
     /// # Errors
     /// As [`of`](Self::of), or one stands there twice.
-    pub fn all(words: &[String], scene: &Scene) -> Result<Vec<Quantity>> {
+    pub fn all(words: &[String], scene: &Scene) -> Result<Vec<SweepQuantity>> {
         if let Some(place) = (1..words.len()).find(|&place| words[..place].contains(&words[place])) {
             return Err(Error::refused(format!("--quantity {}: stands there twice; name each quantity once", words[place])));
         }
         match words {
-            [] => Ok(vec![Quantity::of(None, scene)?]),
-            words => words.iter().map(|word| Quantity::of(Some(word), scene)).collect(),
+            [] => Ok(vec![SweepQuantity::of(None, scene)?]),
+            words => words.iter().map(|word| SweepQuantity::of(Some(word), scene)).collect(),
         }
     }
 
     /// Its name: the word for it.
     pub fn name(&self) -> String {
         match self {
-            Quantity::Viscosity => "viscosity".into(),
-            Quantity::Drag => "drag".into(),
-            Quantity::Settling(_) => "settling".into(),
-            Quantity::Column(name) => format!("series.{name}"),
-            Quantity::Last(name) => format!("last.{name}"),
-            Quantity::Entry(name) => name.clone(),
+            SweepQuantity::Viscosity => "viscosity".into(),
+            SweepQuantity::Drag => "drag".into(),
+            SweepQuantity::Settling(_) => "settling".into(),
+            SweepQuantity::Column(name) => format!("series.{name}"),
+            SweepQuantity::Last(name) => format!("last.{name}"),
+            SweepQuantity::Entry(name) => name.clone(),
         }
     }
 
     /// What it is, in words.
     pub fn words(&self, in_time: bool) -> String {
         match self {
-            Quantity::Viscosity if in_time => {
+            SweepQuantity::Viscosity if in_time => {
                 "relative viscosity, its mean over the steady part of each run, or over the second half of all runs of a point where one is not steady"
                     .into()
             }
-            Quantity::Viscosity => "relative viscosity".into(),
-            Quantity::Drag if in_time => "magnitude of the mean force on held bodies at the end".into(),
-            Quantity::Drag => "magnitude of the mean force on held bodies".into(),
-            Quantity::Settling(_) if in_time => {
+            SweepQuantity::Viscosity => "relative viscosity".into(),
+            SweepQuantity::Drag if in_time => "magnitude of the mean force on held bodies at the end".into(),
+            SweepQuantity::Drag => "magnitude of the mean force on held bodies".into(),
+            SweepQuantity::Settling(_) if in_time => {
                 "mean velocity of the bodies along the force on them, over the second half of each run".into()
             }
-            Quantity::Settling(_) => "mean velocity of the bodies along the force on them".into(),
-            Quantity::Column(name) => format!("{name} of series.csv, its mean over the second half of each run"),
-            Quantity::Last(name) => format!("{name} of series.csv at the end of each run"),
-            Quantity::Entry(name) => format!("{name} of summary.json"),
+            SweepQuantity::Settling(_) => "mean velocity of the bodies along the force on them".into(),
+            SweepQuantity::Column(name) => format!("{name} of series.csv, its mean over the second half of each run"),
+            SweepQuantity::Last(name) => format!("{name} of series.csv at the end of each run"),
+            SweepQuantity::Entry(name) => format!("{name} of summary.json"),
         }
     }
 
@@ -134,13 +131,19 @@ impl Quantity {
         let series = path.with_file_name("series.csv");
         let last = if summary.in_time() { Over::End } else { Over::Instant };
         let found = match self {
-            Quantity::Viscosity => viscosity(&summary, &series)?,
-            Quantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(|value| Reading::of(value, last)),
-            Quantity::Settling(direction) if summary.in_time() => settled(direction, &read(&series)?),
-            Quantity::Settling(direction) => settling_now(&summary, direction).map(|value| Reading::of(value, last)),
-            Quantity::Column(name) => second_half(&curve(&read(&series)?, name)).map(|value| Reading::of(value, Over::SecondHalf)),
-            Quantity::Last(name) => curve(&read(&series)?, name).last().map(|(_, value)| Reading::of(*value, Over::End)),
-            Quantity::Entry(name) => summary.get(&format!("/{}", name.replace('.', "/"))).map(|value| Reading::of(value, Over::Summary)),
+            SweepQuantity::Viscosity => viscosity(&summary, &series)?,
+            SweepQuantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(|value| Reading::of(value, last)),
+            SweepQuantity::Settling(direction) if summary.in_time() => settled(direction, &Columns::read(&series)?),
+            SweepQuantity::Settling(direction) => settling_now(&summary, direction).map(|value| Reading::of(value, last)),
+            SweepQuantity::Column(name) => {
+                second_half(&Columns::read(&series)?.curve("time", name)).map(|value| Reading::of(value, Over::SecondHalf))
+            }
+            SweepQuantity::Last(name) => {
+                Columns::read(&series)?.curve("time", name).last().map(|(_, value)| Reading::of(*value, Over::End))
+            }
+            SweepQuantity::Entry(name) => {
+                summary.get(&format!("/{}", name.replace('.', "/"))).map(|value| Reading::of(value, Over::Summary))
+            }
         };
         let finite = found.filter(|reading| reading.value.is_finite());
         finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.name())))
@@ -185,43 +188,22 @@ fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
 }
 
 fn drag(summary: &RunSummary, held: &[bool]) -> Option<f64> {
-    let bodies = summary.0["bodies"].as_array()?.iter().zip(held).filter(|(_, held)| **held);
-    let forces = bodies.map(|(body, _)| numbers(&body["force"])).collect::<Option<Vec<_>>>()?;
-    let mean = mean_vector(&forces)?;
+    let mean = summary.mean_of_bodies("force", (0..held.len()).filter(|&body| held[body]))?;
     Some(mean.iter().map(|part| part * part).sum::<f64>().sqrt())
 }
 
 fn settling_now(summary: &RunSummary, direction: &[f64]) -> Option<f64> {
-    let bodies = summary.0["bodies"].as_array()?.iter().map(|body| numbers(&body["velocity"]));
-    Some(along(direction, &mean_vector(&bodies.collect::<Option<Vec<_>>>()?)?))
+    Some(along(direction, &summary.mean_of_bodies("velocity", 0..summary.0["bodies"].as_array()?.len())?))
 }
 
-fn settled(direction: &[f64], series: &str) -> Option<Reading> {
+fn settled(direction: &[f64], series: &Columns) -> Option<Reading> {
     let names = AXES.iter().map(|axis| format!("body_velocity_{axis}"));
-    let mean = names.take(direction.len()).map(|name| second_half(&curve(series, &name))).collect::<Option<Vec<_>>>()?;
+    let mean = names.take(direction.len()).map(|name| second_half(&series.curve("time", &name))).collect::<Option<Vec<_>>>()?;
     Some(Reading::of(along(direction, &mean), Over::SecondHalf))
 }
 
 fn along(direction: &[f64], vector: &[f64]) -> f64 {
     direction.iter().zip(vector).map(|(one, other)| one * other).sum()
-}
-
-fn mean_vector(vectors: &[Vec<f64>]) -> Option<Vec<f64>> {
-    let first = vectors.first()?;
-    Some((0..first.len()).map(|axis| vectors.iter().map(|vector| vector[axis]).sum::<f64>() / vectors.len() as f64).collect())
-}
-
-fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
-    value.as_array()?.iter().map(serde_json::Value::as_f64).collect()
-}
-
-/// A column of a series over time; empty if it has none of this name.
-fn curve(series: &str, name: &str) -> Vec<(f64, f64)> {
-    let mut lines = series.lines().map(|line| line.split(',').collect::<Vec<_>>());
-    let heads = lines.next().unwrap_or_default();
-    let place = |name: &str| heads.iter().position(|head| *head == name);
-    let (Some(time), Some(column)) = (place("time"), place(name)) else { return Vec::new() };
-    lines.filter_map(|row| Some((row.get(time)?.parse().ok()?, row.get(column)?.parse().ok()?))).collect()
 }
 
 fn second_half(curve: &[(f64, f64)]) -> Option<f64> {
@@ -246,22 +228,22 @@ mod tests {
         let shear = scene("", "[flow]\ndrive = { shear_rate = 1 }\n");
         let held = scene("", "motion = \"fixed\"\n[flow]\ndrive = { mean_velocity = [1, 0] }\n");
         let falling = scene("gravity = [0, -2]\n", "density = 2\n");
-        assert_eq!(Quantity::of(None, &shear).unwrap(), Quantity::Viscosity);
-        assert_eq!(Quantity::of(None, &held).unwrap(), Quantity::Drag);
-        assert_eq!(Quantity::of(None, &falling).unwrap(), Quantity::Settling(vec![0.0, -1.0]));
-        assert_eq!(Quantity::of(Some("flow.mean_velocity.0"), &shear).unwrap(), Quantity::Entry("flow.mean_velocity.0".into()));
+        assert_eq!(SweepQuantity::of(None, &shear).unwrap(), SweepQuantity::Viscosity);
+        assert_eq!(SweepQuantity::of(None, &held).unwrap(), SweepQuantity::Drag);
+        assert_eq!(SweepQuantity::of(None, &falling).unwrap(), SweepQuantity::Settling(vec![0.0, -1.0]));
+        assert_eq!(SweepQuantity::of(Some("flow.mean_velocity.0"), &shear).unwrap(), SweepQuantity::Entry("flow.mean_velocity.0".into()));
         for (word, scene) in [("drag", &shear), ("settling", &shear), ("viscosity", &held), ("weight", &held), ("series.time", &held)] {
-            let refusal = Quantity::of(Some(word), scene).unwrap_err().to_string();
+            let refusal = SweepQuantity::of(Some(word), scene).unwrap_err().to_string();
             assert!(refusal.starts_with(&format!("--quantity {word}: ")), "{refusal}");
         }
-        assert!(Quantity::of(None, &scene("", "")).unwrap_err().to_string().contains("name a column"));
+        assert!(SweepQuantity::of(None, &scene("", "")).unwrap_err().to_string().contains("name a column"));
     }
 
     #[test]
     fn a_column_is_averaged_over_the_second_half_by_time() {
-        let series = "step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n";
-        assert_eq!(second_half(&curve(series, "a")), Some(1.5));
-        assert_eq!(second_half(&curve(series, "b")), None);
+        let series = Columns::parse("step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n");
+        assert_eq!(second_half(&series.curve("time", "a")), Some(1.5));
+        assert_eq!(second_half(&series.curve("time", "b")), None);
     }
 
     #[test]

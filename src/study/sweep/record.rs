@@ -5,14 +5,17 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{reading::Reading, vary::Assignment};
-use crate::{output::checksum_of, study::store::Recorded};
+use crate::{
+    experiment::{self, record::Outcome},
+    output::checksum_of,
+};
 
 /// Most signs of the name of a folder, before what tells it apart.
 const LONGEST_NAME: usize = 120;
 
 /// A run: what is set in the scene, and the seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct SweepSetting {
     /// Keys with their values.
     pub point: Vec<Assignment>,
     /// The seed; nothing where it is one of the keys.
@@ -20,23 +23,7 @@ pub struct Setting {
 }
 
 /// A setting and what came of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// The setting.
-    pub setting: Setting,
-    /// What came of it.
-    pub outcome: Outcome,
-}
-
-/// What came of a setting.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// A run to its end.
-    Measured(Measured),
-    /// Why there is none.
-    Failed(String),
-}
+pub type SweepRecord = experiment::record::Record<SweepSetting, Measured>;
 
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,7 +38,7 @@ pub struct Measured {
     pub folder: Option<String>,
 }
 
-impl Setting {
+impl SweepSetting {
     /// The overrides that make the scene this one.
     pub fn overrides(&self) -> Vec<String> {
         let seed = self.seed.map(|seed| format!("seed={seed}"));
@@ -67,30 +54,7 @@ impl Setting {
     }
 }
 
-impl Record {
-    /// The run, if it came to its end.
-    pub fn measured(&self) -> Option<&Measured> {
-        match &self.outcome {
-            Outcome::Measured(measured) => Some(measured),
-            Outcome::Failed(_) => None,
-        }
-    }
-}
-
-impl Recorded for Record {
-    type Setting = Setting;
-
-    fn setting(&self) -> &Setting {
-        &self.setting
-    }
-
-    /// Failures are tried again.
-    fn lasting(&self) -> bool {
-        self.measured().is_some()
-    }
-}
-
-impl fmt::Display for Setting {
+impl fmt::Display for SweepSetting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let keys = self.point.iter().map(|(key, value)| format!("{key} = {value}"));
         let seed = self.seed.map(|seed| format!("seed {seed}"));
@@ -98,7 +62,7 @@ impl fmt::Display for Setting {
     }
 }
 
-impl fmt::Display for Record {
+impl fmt::Display for SweepRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.outcome {
             Outcome::Measured(Measured { readings, seconds, .. }) => {
@@ -116,7 +80,7 @@ mod tests {
 
     #[test]
     fn folders_of_settings_have_names_of_their_own() {
-        let name = |value: &str, seed| Setting { point: vec![("a.0.b".into(), value.into())], seed }.folder_name();
+        let name = |value: &str, seed| SweepSetting { point: vec![("a.0.b".into(), value.into())], seed }.folder_name();
         assert_eq!(name("0.1", Some(3)), "a.0.b=0.1,seed=3");
         let odd = ["[0, -1]", "(0, -1)", "../../x", &"9".repeat(300), &"9".repeat(301)].map(|value| name(value, None));
         assert!(odd.iter().all(|name| name.len() < 140 && !name.contains('/') && !name.starts_with('.')), "{odd:?}");

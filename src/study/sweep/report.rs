@@ -3,39 +3,39 @@
 use serde::Serialize;
 
 use super::{
-    point::{Estimate, Point},
+    point::{Estimate, SweepPoint},
     reading::Over,
-    record::{Record, Setting},
+    record::{SweepRecord, SweepSetting},
     vary::{Assignment, Vary},
 };
 use crate::{
-    output::{Bar, Chart, Mark, Notes, Scale, Series},
-    study::{
+    experiment::{
         store::Store,
         table::{Row, csv, markdown, quoted},
     },
+    output::{Bar, Chart, Mark, Notes, Scale, Series},
 };
 
 /// All points of a sweep.
 #[derive(Debug, Serialize)]
-pub struct Report {
+pub struct SweepReport {
     /// Names of the quantities.
     quantities: Vec<String>,
     /// The points in the order of the command line.
-    pub points: Vec<Point>,
+    pub points: Vec<SweepPoint>,
     #[serde(skip)]
     title: String,
     #[serde(skip)]
     keys: Vec<Vary>,
 }
 
-impl Report {
+impl SweepReport {
     /// Of the settings of a sweep, those of a point next to each other.
-    pub fn new(title: &str, quantities: Vec<String>, keys: &[Vary], settings: &[Setting], store: &Store<Record>) -> Report {
+    pub fn new(title: &str, quantities: Vec<String>, keys: &[Vary], settings: &[SweepSetting], store: &Store<SweepRecord>) -> SweepReport {
         let points = settings.chunk_by(|one, other| one.point == other.point);
-        let records = |settings: &[Setting]| settings.iter().filter_map(|setting| store.find(setting)).collect::<Vec<_>>();
-        let points = points.map(|settings| Point::of(&settings[0].point, &quantities, &records(settings))).collect();
-        Report { quantities, points, title: title.into(), keys: keys.to_vec() }
+        let records = |settings: &[SweepSetting]| settings.iter().filter_map(|setting| store.find(setting)).collect::<Vec<_>>();
+        let points = points.map(|settings| SweepPoint::of(&settings[0].point, &quantities, &records(settings))).collect();
+        SweepReport { quantities, points, title: title.into(), keys: keys.to_vec() }
     }
 
     /// The table and what is to be said about it.
@@ -63,7 +63,7 @@ impl Report {
     }
 
     /// A point for people.
-    fn shown<'a>(&'a self, point: &'a Point) -> Row<'a> {
+    fn shown<'a>(&'a self, point: &'a SweepPoint) -> Row<'a> {
         let mut row: Row = point.point.iter().map(|(key, value)| (key.as_str(), value.clone())).collect();
         row.push(("fraction placed", point.fraction.map_or("-".into(), |fraction| format!("{fraction:.4}"))));
         for estimate in &point.quantities {
@@ -77,8 +77,8 @@ impl Report {
     }
 
     /// Points that differ in the first key alone, with the values that the other keys have there.
-    fn lines(&self) -> Vec<(&[Assignment], Vec<&Point>)> {
-        let mut lines: Vec<(&[Assignment], Vec<&Point>)> = Vec::new();
+    fn lines(&self) -> Vec<(&[Assignment], Vec<&SweepPoint>)> {
+        let mut lines: Vec<(&[Assignment], Vec<&SweepPoint>)> = Vec::new();
         for point in &self.points {
             match lines.iter_mut().find(|(rest, _)| *rest == &point.point[1..]) {
                 Some((_, points)) => points.push(point),
@@ -90,11 +90,11 @@ impl Report {
 
     /// The quantity against the first key, a line for each combination of the others; a key of words is drawn by the places of its values.
     fn chart(&self, quantity: usize) -> String {
-        let estimate = |point: &Point| point.quantities[quantity].clone();
+        let estimate = |point: &SweepPoint| point.quantities[quantity].clone();
         let first = &self.keys[0];
         let numeric = first.values.iter().all(|value| value.parse::<f64>().is_ok_and(f64::is_finite));
         let place = |value: &str| first.values.iter().position(|own| own == value).map_or(f64::NAN, |place| place as f64 + 1.0);
-        let abscissa = |point: &Point| match numeric {
+        let abscissa = |point: &SweepPoint| match numeric {
             true => point.point[0].1.parse().unwrap_or(f64::NAN),
             false => place(&point.point[0].1),
         };
@@ -113,8 +113,8 @@ impl Report {
         for (number, (rest, points)) in lines.iter_mut().enumerate() {
             points.sort_by(|one, other| abscissa(one).total_cmp(&abscissa(other)));
             let own: Vec<(f64, f64)> = points.iter().map(|point| (abscissa(point), estimate(point).mean.unwrap_or(f64::NAN))).collect();
-            let hollow = |point: &Point| steady && estimate(point).over == Some(Over::SecondHalf);
-            let mark = |(&point, own): (&(f64, f64), &&Point)| Mark {
+            let hollow = |point: &SweepPoint| steady && estimate(point).over == Some(Over::SecondHalf);
+            let mark = |(&point, own): (&(f64, f64), &&SweepPoint)| Mark {
                 series: number,
                 point,
                 label: String::new(),
@@ -122,7 +122,7 @@ impl Report {
                 ringed: false,
             };
             notes.marks.extend(own.iter().zip(points.iter()).map(mark));
-            let bar = |point: &&Point| Some(Bar { series: number, x: abscissa(point), ends: estimate(point).interval? });
+            let bar = |point: &&SweepPoint| Some(Bar { series: number, x: abscissa(point), ends: estimate(point).interval? });
             notes.bars.extend(points.iter().filter_map(bar));
             series.push(Series { name: words(rest), points: own });
         }
@@ -132,7 +132,7 @@ impl Report {
 }
 
 /// A point for other programs: the heads of a quantity begin with its name.
-fn numbers(point: &Point) -> Vec<(String, String)> {
+fn numbers(point: &SweepPoint) -> Vec<(String, String)> {
     let number = |number: Option<f64>| number.map_or(String::new(), |number| format!("{number:?}"));
     let cell = |value: &String| if value.contains([',', '"']) { quoted(value) } else { value.clone() };
     let mut row: Vec<(String, String)> = point.point.iter().map(|(key, value)| (key.clone(), cell(value))).collect();
@@ -177,7 +177,7 @@ mod tests {
             over: Some(over),
             steady,
         };
-        let point = |value: &str, over, steady| Point {
+        let point = |value: &str, over, steady| SweepPoint {
             point: vec![("a".into(), value.into()), ("b".into(), "[1, 2]".into())],
             quantities: vec![estimate("viscosity", 2.0, over, steady), estimate("series.contacts", 7.0, Over::SecondHalf, 0)],
             fraction: Some(0.29),
@@ -188,14 +188,14 @@ mod tests {
         };
         let keys = vec![Vary { key: "a".into(), values: vec!["1".into(), "2".into()] }, Vary { key: "b".into(), values: vec!["1".into()] }];
         let points = vec![point("1", Over::Steady, 3), point("2", Over::SecondHalf, 2)];
-        let report = Report { quantities: vec!["viscosity".into(), "series.contacts".into()], points, title: "disks".into(), keys };
+        let report = SweepReport { quantities: vec!["viscosity".into(), "series.contacts".into()], points, title: "disks".into(), keys };
         let table = report.csv();
         let head = "a,b,fraction_placed,viscosity,viscosity.standard_error,viscosity.low,viscosity.high,viscosity.over,viscosity.steady,series.contacts,\
                     series.contacts.standard_error,series.contacts.low,series.contacts.high,series.contacts.over,series.contacts.steady,runs,failed,seconds";
         assert_eq!(table.lines().next(), Some(head));
         assert!(table.contains("\n1,\"[1, 2]\",0.29,2.0,0.5,1.0,3.0,steady part,3,7.0,"), "{table}");
-        let told = report.markdown();
-        assert!(told.contains("a = 1, b = [1, 2]: seed 4: no room") && told.contains("| second half (2 of 3 runs steady) |"), "{told}");
+        let text = report.markdown();
+        assert!(text.contains("a = 1, b = [1, 2]: seed 4: no room") && text.contains("| second half (2 of 3 runs steady) |"), "{text}");
         let files = report.files();
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["sweep.csv", "sweep.md", "sweep-viscosity.svg", "sweep-series.contacts.svg"]);

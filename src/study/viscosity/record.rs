@@ -3,20 +3,16 @@
 use std::{fmt, fs, path::Path};
 
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
 use crate::{
     error::{Error, Result},
+    experiment::{store::Recorded, summary::RunSummary},
     output::{CurvePoint, MeanViscosity},
-    study::{
-        store::{Identity, Recorded},
-        summary::RunSummary,
-    },
 };
 
 /// A run: everything that decides what comes out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct SuspensionSetting {
     /// Dimension of space.
     pub dimension: usize,
     /// Part of the box that bodies fill.
@@ -35,7 +31,7 @@ pub struct Setting {
 
 /// What came out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub struct MeasuredViscosity {
     /// Relative viscosity, at the end of a run in time.
     pub relative: f64,
     /// Mean over its steady part, if it has become steady.
@@ -48,32 +44,27 @@ pub struct Measured {
 
 /// A setting and what came of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Record {
+pub struct ViscosityRecord {
     /// The setting.
-    pub setting: Setting,
+    pub setting: SuspensionSetting,
     /// What came out.
-    pub measured: Measured,
+    pub measured: MeasuredViscosity,
 }
 
-impl Recorded for Record {
-    type Setting = Setting;
+impl Recorded for ViscosityRecord {
+    type Setting = SuspensionSetting;
 
-    fn setting(&self) -> &Setting {
+    fn setting(&self) -> &SuspensionSetting {
         &self.setting
     }
 }
 
-/// What stands in `viscosity.json` beside the runs: those of another version are not taken.
-pub fn identity() -> Identity {
-    Identity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places: &[("/version", "the version of the program")] }
-}
-
-impl Measured {
+impl MeasuredViscosity {
     /// From the summary of a run and the series beside it.
     ///
     /// # Errors
     /// They cannot be read.
-    pub fn read(path: &Path) -> Result<Measured> {
+    pub fn read(path: &Path) -> Result<MeasuredViscosity> {
         let summary = RunSummary::read(path)?;
         let missing = || Error::Diverged(format!("{}: holds no viscosity", path.display()));
         let relative = summary.get("/viscosity/relative").ok_or_else(missing)?;
@@ -82,7 +73,7 @@ impl Measured {
             true => CurvePoint::read(&fs::read_to_string(&series).map_err(|source| Error::File { path: series, source })?),
             false => Vec::new(),
         };
-        Ok(Measured {
+        Ok(MeasuredViscosity {
             relative,
             mean: summary.get("/viscosity/mean"),
             curve: curve.iter().map(|point| (point.strain, point.relative())).collect(),
@@ -91,9 +82,9 @@ impl Measured {
     }
 }
 
-impl fmt::Display for Setting {
+impl fmt::Display for SuspensionSetting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Setting { dimension, fraction, seed, .. } = self;
+        let SuspensionSetting { dimension, fraction, seed, .. } = self;
         match self.strain {
             None => write!(f, "{dimension}D, fraction {fraction}, configuration {seed}"),
             Some(strain) => write!(f, "{dimension}D, fraction {fraction}, to strain {strain}"),
@@ -101,24 +92,31 @@ impl fmt::Display for Setting {
     }
 }
 
+impl fmt::Display for ViscosityRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {:.4}, {:.1} s", self.setting, self.measured.relative, self.measured.seconds)
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::study::store::Store;
+    use crate::experiment::store::{Identity, Store};
 
     #[test]
     fn a_study_goes_on_with_what_it_measured() {
         let folder = std::env::temp_dir().join(format!("turbid-viscosity-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
-        let setting = |seed| Setting { dimension: 2, fraction: 0.1, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
-        let measured = Measured { relative: 1.25, mean: None, curve: vec![(0.0, 1.25), (0.1, 1.0 / 3.0)], seconds: 0.5 };
-        let open = |fresh| Store::<Record>::open(&folder, "viscosity.json", identity(), fresh);
-        open(false).unwrap().add(Record { setting: setting(1), measured: measured.clone() }).unwrap();
+        let setting =
+            |seed| SuspensionSetting { dimension: 2, fraction: 0.1, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
+        let measured = MeasuredViscosity { relative: 1.25, mean: None, curve: vec![(0.0, 1.25), (0.1, 1.0 / 3.0)], seconds: 0.5 };
+        let open = |fresh| Store::<ViscosityRecord>::open(&folder, "viscosity.json", Identity::of_version(), fresh);
+        open(false).unwrap().add(ViscosityRecord { setting: setting(1), measured: measured.clone() }).unwrap();
         let store = open(false).unwrap();
         assert_eq!(store.find(&setting(1)).map(|record| &record.measured), Some(&measured));
         assert!(store.find(&setting(2)).is_none() && open(true).unwrap().find(&setting(1)).is_none());
-        open(true).unwrap().add(Record { setting: setting(1), measured: measured.clone() }).unwrap();
+        open(true).unwrap().add(ViscosityRecord { setting: setting(1), measured: measured.clone() }).unwrap();
         let whole = fs::read_to_string(folder.join("viscosity.json")).unwrap();
         fs::write(folder.join("viscosity.json"), whole.replacen("1.25", "1.5", 1)).unwrap();
         let refusal = open(false).err().unwrap().to_string();

@@ -2,14 +2,15 @@
 
 use super::{
     laws::{known, laws},
-    record::{Measured, Record, Setting},
+    record::{MeasuredViscosity, SuspensionSetting, ViscosityRecord},
 };
 use crate::{
-    output::{Bar, Chart, Mark, Notes, Scale, Series},
-    study::{
+    experiment::{
         store::Store,
         table::{Row, csv, markdown},
     },
+    observe::statistics::{mean, standard_error},
+    output::{Bar, Chart, Mark, Notes, Scale, Series},
 };
 
 /// Fractions at which laws are drawn between 0 and the largest measured one.
@@ -19,13 +20,13 @@ const LAW_POINTS: usize = 60;
 const TALLEST: f64 = 1.3;
 
 /// All points and curves.
-pub struct Report {
-    points: Vec<Point>,
-    curves: Vec<(Setting, Measured)>,
+pub struct ViscosityReport {
+    points: Vec<FractionPoint>,
+    curves: Vec<(SuspensionSetting, MeasuredViscosity)>,
 }
 
 /// A fraction at an instant.
-struct Point {
+struct FractionPoint {
     dimension: usize,
     fraction: f64,
     configurations: usize,
@@ -34,20 +35,20 @@ struct Point {
     error: f64,
 }
 
-impl Report {
+impl ViscosityReport {
     /// Of the settings that were measured.
-    pub fn new(settings: &[Setting], store: &Store<Record>) -> Report {
-        let mut report = Report { points: Vec::new(), curves: Vec::new() };
-        let measured: Vec<&Record> = settings.iter().filter_map(|setting| store.find(setting)).collect();
-        for Record { setting, measured: result } in &measured {
-            let of_point = |point: &Point| (point.dimension, point.fraction) == (setting.dimension, setting.fraction);
+    pub fn new(settings: &[SuspensionSetting], store: &Store<ViscosityRecord>) -> ViscosityReport {
+        let mut report = ViscosityReport { points: Vec::new(), curves: Vec::new() };
+        let measured: Vec<&ViscosityRecord> = settings.iter().filter_map(|setting| store.find(setting)).collect();
+        for ViscosityRecord { setting, measured: result } in &measured {
+            let of_point = |point: &FractionPoint| (point.dimension, point.fraction) == (setting.dimension, setting.fraction);
             if setting.strain.is_some() {
                 report.curves.push((setting.clone(), result.clone()));
             } else if !report.points.iter().any(of_point) {
-                let alike = measured.iter().filter(|Record { setting: other, .. }| {
+                let alike = measured.iter().filter(|ViscosityRecord { setting: other, .. }| {
                     other.strain.is_none() && (other.dimension, other.fraction) == (setting.dimension, setting.fraction)
                 });
-                report.points.push(Point::of(setting, &alike.map(|record| record.measured.relative).collect::<Vec<_>>()));
+                report.points.push(FractionPoint::of(setting, &alike.map(|record| record.measured.relative).collect::<Vec<_>>()));
             }
         }
         report
@@ -57,7 +58,7 @@ impl Report {
     pub fn markdown(&self) -> String {
         let tables = [2, 3].into_iter().filter(|&dimension| self.points_of(dimension).next().is_some()).map(|dimension| {
             let (head, (source, values)) = (format!("{dimension}D fraction"), known(dimension));
-            let row = |Point { fraction, mean, error, .. }: &Point| {
+            let row = |FractionPoint { fraction, mean, error, .. }: &FractionPoint| {
                 let known = values.iter().find(|(there, _)| there == fraction).map_or(String::new(), |(_, value)| value.to_string());
                 let mut row: Row = vec![(&head, fraction.to_string())];
                 row.extend([("viscosity", format!("{mean:.4}")), ("standard error", format!("{error:.4}"))]);
@@ -94,12 +95,12 @@ impl Report {
         files
     }
 
-    fn points_of(&self, dimension: usize) -> impl Iterator<Item = &Point> {
+    fn points_of(&self, dimension: usize) -> impl Iterator<Item = &FractionPoint> {
         self.points.iter().filter(move |point| point.dimension == dimension)
     }
 
     fn csv(&self) -> String {
-        let row = |Point { dimension, fraction, configurations, mean, error }: &Point| {
+        let row = |FractionPoint { dimension, fraction, configurations, mean, error }: &FractionPoint| {
             let counts = [("dimension", dimension.to_string()), ("fraction", format!("{fraction:?}"))];
             let numbers = [("viscosity", format!("{mean:?}")), ("standard_error", format!("{error:?}"))];
             [&counts[..], &[("configurations", configurations.to_string())], &numbers].concat()
@@ -108,12 +109,12 @@ impl Report {
     }
 
     fn curves_csv(&self) -> String {
-        let row = |Setting { dimension, fraction, .. }: &Setting, strain: f64, viscosity: f64| {
+        let row = |SuspensionSetting { dimension, fraction, .. }: &SuspensionSetting, strain: f64, viscosity: f64| {
             let number = |number: f64| format!("{number:?}");
             let place = [("dimension", dimension.to_string()), ("fraction", number(*fraction))];
             [place, [("strain", number(strain)), ("viscosity", number(viscosity))]].concat()
         };
-        let rows = |(setting, measured): &(Setting, Measured)| {
+        let rows = |(setting, measured): &(SuspensionSetting, MeasuredViscosity)| {
             measured.curve.iter().map(|&(strain, viscosity)| row(setting, strain, viscosity)).collect::<Vec<_>>()
         };
         csv(&self.curves.iter().flat_map(rows).collect::<Vec<_>>())
@@ -121,7 +122,7 @@ impl Report {
 
     /// Viscosity against fraction: points with bars of two standard errors, laws as lines, and known values as circles.
     fn chart(&self, dimension: usize) -> String {
-        let points: Vec<&Point> = self.points_of(dimension).collect();
+        let points: Vec<&FractionPoint> = self.points_of(dimension).collect();
         let largest = points.iter().map(|point| point.fraction).fold(0.0, f64::max);
         let tallest = TALLEST * points.iter().map(|point| point.mean).fold(1.0, f64::max);
         // points joined to nothing: only their marks show
@@ -141,8 +142,11 @@ impl Report {
         if !shown.is_empty() {
             series.push(Series { name: source.into(), points: lonely(&shown) });
         }
-        let bar =
-            |point: &&Point| Bar { series: 0, x: point.fraction, ends: [point.mean - 2.0 * point.error, point.mean + 2.0 * point.error] };
+        let bar = |point: &&FractionPoint| Bar {
+            series: 0,
+            x: point.fraction,
+            ends: [point.mean - 2.0 * point.error, point.mean + 2.0 * point.error],
+        };
         let notes = Notes { marks, bars: points.iter().map(bar).collect(), ..Notes::default() };
         let bodies = if dimension == 2 { "disks" } else { "spheres" };
         let title = format!("{bodies} in equilibrium at an instant: mean and two standard errors");
@@ -151,7 +155,7 @@ impl Report {
 
     /// Viscosity against strain.
     fn evolution(&self) -> String {
-        let line = |(setting, measured): &(Setting, Measured)| Series {
+        let line = |(setting, measured): &(SuspensionSetting, MeasuredViscosity)| Series {
             name: format!("{}D, fraction {}", setting.dimension, setting.fraction),
             points: measured.curve.clone(),
         };
@@ -161,13 +165,15 @@ impl Report {
     }
 }
 
-impl Point {
-    fn of(setting: &Setting, values: &[f64]) -> Point {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let error = (squares / (count * (count - 1.0))).sqrt();
-        Point { dimension: setting.dimension, fraction: setting.fraction, configurations: values.len(), mean, error }
+impl FractionPoint {
+    fn of(setting: &SuspensionSetting, values: &[f64]) -> FractionPoint {
+        FractionPoint {
+            dimension: setting.dimension,
+            fraction: setting.fraction,
+            configurations: values.len(),
+            mean: mean(values),
+            error: standard_error(values),
+        }
     }
 }
 
@@ -175,21 +181,22 @@ impl Point {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::study::viscosity::record::identity;
+    use crate::experiment::store::Identity;
 
     #[test]
     fn a_report_has_means_errors_and_charts_of_what_was_measured() {
         let folder = std::env::temp_dir().join(format!("turbid-viscosity-report-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let mut store = Store::open(&folder, "viscosity.json", identity(), true).unwrap();
-        let setting = |fraction, seed| Setting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
+        let mut store = Store::open(&folder, "viscosity.json", Identity::of_version(), true).unwrap();
+        let setting =
+            |fraction, seed| SuspensionSetting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let settings = [setting(0.1, 1), setting(0.1, 2), setting(0.3, 1), setting(0.1, 1).sheared(2.0), setting(0.4, 1)];
         for (setting, relative) in settings.iter().zip([1.2, 1.4, 2.0, 1.3]) {
             let curve = if setting.strain.is_some() { vec![(0.0, 1.2), (1.0, 1.3)] } else { Vec::new() };
-            let measured = Measured { relative, mean: None, curve, seconds: 1.0 };
-            store.add(Record { setting: setting.clone(), measured }).unwrap();
+            let measured = MeasuredViscosity { relative, mean: None, curve, seconds: 1.0 };
+            store.add(ViscosityRecord { setting: setting.clone(), measured }).unwrap();
         }
-        let report = Report::new(&settings, &store);
+        let report = ViscosityReport::new(&settings, &store);
         std::fs::remove_dir_all(&folder).unwrap();
         let points: Vec<(f64, usize, f64)> = report.points.iter().map(|point| (point.fraction, point.configurations, point.mean)).collect();
         assert!((points[0].2 - 1.3).abs() < 1e-12);

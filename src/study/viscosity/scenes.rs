@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::SVector;
 
-use super::record::Setting;
+use super::record::SuspensionSetting;
 use crate::{
     body::equilibrium,
     error::Result,
@@ -20,11 +20,11 @@ const ROUGHNESS: f64 = 1e-4;
 /// Shear between images that slide.
 const SLIDING: &str = "[flow]\ndrive = { shear_rate = 1.0, periodic = \"sheared\" }\n";
 
-impl Setting {
+impl SuspensionSetting {
     /// The run in time that goes with an instant, on a coarser grid: contacts matter more there than the flow in gaps.
-    pub fn sheared(&self, strain: f64) -> Setting {
+    pub fn sheared(&self, strain: f64) -> SuspensionSetting {
         let cells_per_radius = self.cells_per_radius.min(SHEARED_CELLS[self.dimension - 2]);
-        Setting { strain: Some(strain), cells_per_radius, gap: self.gap.max(0.05), ..self.clone() }
+        SuspensionSetting { strain: Some(strain), cells_per_radius, gap: self.gap.max(0.05), ..self.clone() }
     }
 
     /// Its scene file, for bodies of radius 1 in a cube: at an instant in equilibrium, in time packed at random.
@@ -35,7 +35,7 @@ impl Setting {
         let volume = if self.dimension == 2 { PI } else { 4.0 * PI / 3.0 };
         let side = (self.bodies as f64 * volume / self.fraction).powf(1.0 / self.dimension as f64);
         let size = vec![format!("{side:?}"); self.dimension].join(", ");
-        let Setting { bodies, cells_per_radius, gap, seed, .. } = self;
+        let SuspensionSetting { bodies, cells_per_radius, gap, seed, .. } = self;
         let (places, rest) = match self.strain {
             None => {
                 let centers = if self.dimension == 2 { self.centers::<2>(side)? } else { self.centers::<3>(side)? };
@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn scenes_have_the_fraction_that_is_asked_for() {
         for (dimension, cells_per_radius) in [(2, 4.0), (3, 3.0)] {
-            let setting = Setting { dimension, fraction: 0.2, bodies: 8, cells_per_radius, gap: 0.02, seed: 3, strain: None };
+            let setting = SuspensionSetting { dimension, fraction: 0.2, bodies: 8, cells_per_radius, gap: 0.02, seed: 3, strain: None };
             for setting in [setting.clone(), setting.sheared(2.0)] {
                 let scene = Scene::parse("scene", Path::new(""), &setting.scene().unwrap(), &[]).unwrap();
                 let fraction = match dimension {
