@@ -24,6 +24,15 @@ pub struct Arrangement<'a, const D: usize> {
     pub reach: f64,
 }
 
+/// Forces that follow from where bodies are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forces<const D: usize> {
+    /// Along the lines of centres of bodies that touch: they count as contacts.
+    pub contacts: Vec<ContactForce<D>>,
+    /// Others, between near bodies. A pair is the same on every rank that knows both.
+    pub pairs: Vec<PairForce<D>>,
+}
+
 /// A force and torques on two near bodies, or on a body and a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairForce<const D: usize> {
@@ -91,6 +100,18 @@ impl<const D: usize> Wrench<D> {
         contacts.into_iter().map(PairForce::from).for_each(&mut add);
         others.into_iter().copied().for_each(add);
         wrenches
+    }
+}
+
+impl<const D: usize> Default for Forces<D> {
+    fn default() -> Self {
+        Forces { contacts: Vec::new(), pairs: Vec::new() }
+    }
+}
+
+impl<const D: usize> From<Vec<PairForce<D>>> for Forces<D> {
+    fn from(pairs: Vec<PairForce<D>>) -> Self {
+        Forces { pairs, ..Forces::default() }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Coulomb friction at contacts of dry bodies.
 
-use super::Interaction;
+use super::{ContactLaw, Interaction};
 
 /// Coulomb friction at inelastic contacts of dry bodies, with each other and with walls ([`contact`](crate::contact)).
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +18,7 @@ impl<const D: usize> Interaction<D> for Friction {
         format!("Coulomb's exact law with coefficient {}, at the level of velocities", self.coefficient)
     }
 
-    fn friction(&self) -> f64 {
-        self.coefficient
+    fn contact(&self) -> ContactLaw<'_, D> {
+        ContactLaw { friction: self.coefficient, ..ContactLaw::default() }
     }
 }

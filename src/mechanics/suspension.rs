@@ -187,7 +187,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let viscosity = Some(setup.viscosity);
         let arrangement =
             Arrangement { domain: &setup.domain, numbers: None, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
-        let forces = setup.interactions.pair_forces(&arrangement);
+        let forces = setup.interactions.forces(&arrangement).pairs;
         let pushes = Wrench::on_bodies(balls.len(), [], &forces);
         let welds = setup.welds_in_the_box(&centers);
         let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers, &welds) }, monitor)?;

@@ -31,7 +31,7 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, KktReport, Partner, Projection},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Arrangement, Interactions, PairForce, Spring, Touch, Wrench},
+    interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
         Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, History, Moving, ResidualMonitor, Solution, State,
         unsteady::{COURANT, LARGEST_COURANT},
@@ -194,8 +194,7 @@ impl<const D: usize> QuasiStatic<D> {
         let mut tolerance = setup.tolerance.in_a_step(self.travelled(state));
         let touch = interactions.touch();
         self.refuse_overlap(&placed, touch)?;
-        let known = interactions.contact_forces(&self.arrangement(&placed));
-        let pair_forces = interactions.pair_forces(&self.arrangement(&placed));
+        let Forces { contacts: known, pairs: pair_forces } = interactions.forces(&self.arrangement(&placed));
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
         let springs = interactions.springs(&self.arrangement(&placed));
         let mut pressed = self.expected(&placed, touch)?;

@@ -9,7 +9,7 @@ use turbid::{
     flow::{Drive, InverseMethod, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
-    interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
+    interaction::{Arrangement, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
     mechanics::{FlowSolver, Setup, Suspension},
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
@@ -55,12 +55,13 @@ impl<const D: usize> Interaction<D> for Springs {
         self.reach
     }
 
-    fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
+    fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
         let force = |contact: Contact<D>| {
             let force = contact.normal * (-self.stiffness * contact.separation);
             PairForce { contact, force, torques: [SMatrix::zeros(); 2] }
         };
-        arrangement.near(self.reach).into_iter().filter(|contact| contact.other().is_some()).map(force).collect()
+        let near = arrangement.near(self.reach).into_iter().filter(|contact| contact.other().is_some());
+        near.map(force).collect::<Vec<_>>().into()
     }
 }
 
@@ -102,7 +103,8 @@ fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
     let wrenches = |balls: &[Ball<2>]| {
         let arrangement =
             Arrangement { domain: &domain, numbers: None, balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
-        Wrench::on_bodies(balls.len(), &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))
+        let Forces { contacts, pairs } = interaction.forces(&arrangement);
+        Wrench::on_bodies(balls.len(), &contacts, &pairs)
     };
     let here = wrenches(&disks(Vector2::zeros()));
     let scale = here.iter().map(|wrench| wrench.force.norm()).fold(1.0, f64::max);
@@ -125,7 +127,8 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
         let balls = [0.0, 2.0 + gap].map(|x| Ball { center: Vector2::new(10.0 + x, 20.0), radius: 1.0 });
         let arrangement =
             Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0), reach: f64::INFINITY };
-        Wrench::on_bodies(2, &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))[1].force[0]
+        let Forces { contacts, pairs } = interaction.forces(&arrangement);
+        Wrench::on_bodies(2, &contacts, &pairs)[1].force[0]
     };
     for gap in [-0.01, 0.0, 0.01, 0.1, 0.3] {
         let slope = (force(gap + 1e-6) - force(gap - 1e-6)).abs() / 2e-6;
@@ -138,12 +141,13 @@ fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     let (domain, balls, weights) = (domain(), disks(Vector2::zeros()), vec![2.0; 6]);
     let arrangement =
         Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
-    assert!(interaction.remember(&arrangement, &[], &[], 0.1).is_empty() && interaction.lower_bounds(&arrangement, &[], 0.1).is_empty());
+    let Some(law) = interaction.contact().memory else { return };
+    assert!(law.remember(&arrangement, &[], &[], 0.1).is_empty() && law.lower_bounds(&arrangement, &[], 0.1).is_empty());
     let mut pressed: Vec<ContactForce<2>> =
         arrangement.near(0.5).into_iter().map(|contact| ContactForce { contact, force: 1.0 + contact.gap }).collect();
     pressed.sort_by_key(|pressed| pressed.contact.identity());
-    let memory = interaction.remember(&arrangement, &[], &pressed, 0.1);
-    let bounds = interaction.lower_bounds(&arrangement, &memory, 0.1);
+    let memory = law.remember(&arrangement, &[], &pressed, 0.1);
+    let bounds = law.lower_bounds(&arrangement, &memory, 0.1);
     assert_eq!(bounds.len(), memory.len());
     assert!(bounds.is_sorted_by_key(|bound| bound.contact.identity()));
     for bound in &bounds {
@@ -152,7 +156,7 @@ fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     }
     // once taken back it is forgotten
     let back: Vec<_> = pressed.iter().map(|pressed| ContactForce { force: -pressed.force, ..*pressed }).collect();
-    assert!(interaction.remember(&arrangement, &memory, &back, 0.1).is_empty());
+    assert!(law.remember(&arrangement, &memory, &back, 0.1).is_empty());
 }
 
 /// Rows resist, and neither push nor turn a pair that moves as one.
@@ -163,8 +167,9 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
     let layout = MultiplierLayout::new(&grid, &centers, &[13; 6], world.rank());
     let crowd = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
-    let rows = interaction.rows(&crowd, &layout);
-    assert_eq!(world.max(rows.films.len() as f64) > 0.0, interaction.resists(), "{interaction:?}");
+    let Some(resistance) = interaction.resistance() else { return };
+    let rows = resistance.rows(&crowd, &layout);
+    assert!(world.max(rows.films.len() as f64) > 0.0, "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
     assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|way| way.resistance > 0.0));
 }
@@ -251,7 +256,7 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
     let balls: Vec<Ball<2>> = free.bodies.iter().map(|suspended| suspended.body.ball).collect();
     let arrangement =
         Arrangement { domain: &free.domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
-    let wrenches = Wrench::on_bodies(6, [], &springs.pair_forces(&arrangement));
+    let wrenches = Wrench::on_bodies(6, [], &springs.forces(&arrangement).pairs);
     let mut given = setup(Interactions::default());
     for (suspended, wrench) in given.bodies.iter_mut().zip(&wrenches) {
         suspended.body.motion = Motion::Free { force: wrench.force, torque: wrench.torque };

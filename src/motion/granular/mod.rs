@@ -34,7 +34,7 @@ use crate::{
     contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
     error::{Error, Result},
     geometry::{Ball, Domain},
-    interaction::{Arrangement, Interactions, Touch, Wrench},
+    interaction::{Arrangement, Forces, Interactions, Touch, Wrench},
     mechanics::{GivenPlace, Moving, ResidualMonitor, State},
     parallel::Peers,
     petsc::{Session, Stage, enter},
@@ -192,8 +192,8 @@ impl<const D: usize> Granular<D> {
         let peers = if self.reach > 0.0 { self.peers() } else { Peers::Alone };
         let near = self.neighbours(peers, state, &[]);
         let arrangement = near.arrangement(&self.domain, self.reach);
-        let (contacts, others) = (self.interactions.contact_forces(&arrangement), self.interactions.pair_forces(&arrangement));
-        let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &others);
+        let Forces { contacts, pairs } = self.interactions.forces(&arrangement);
+        let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &pairs);
         let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
         let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
         let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
