@@ -22,7 +22,7 @@ use super::{
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
     step_control::{StepControl, StepLimits, StepSize},
-    stepper::{Effort, Observation, StepOutcome, Stepper},
+    stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
     travel::{accurate_step, time_of_travel},
 };
@@ -33,7 +33,7 @@ use crate::{
     geometry::{Ball, Domain, near_pairs, near_walls},
     interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
-        Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, History, Moving, ResidualMonitor, Solution, State,
+        Configuration, ContactHistory, FlowSolver, History, Moving, ResidualMonitor, Solution, State,
         unsteady::{COURANT, LARGEST_COURANT},
     },
     parallel::Peers,
@@ -79,8 +79,6 @@ pub struct QuasiStatic<const D: usize> {
     /// The same for the mean force of contacts over a step.
     contact_weights: Vec<f64>,
     stop: StopRequest,
-    /// What the solves of a state started from, unless it holds a fluid.
-    before: Option<ExtrapolationHistory<D>>,
 }
 
 /// Velocities on which flow and contacts agree.
@@ -100,12 +98,16 @@ struct Placed<'a, const D: usize> {
 
 impl<const D: usize> QuasiStatic<D> {
     /// Bodies of a suspension that move with a step control.
-    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, step_control: StepControl) -> QuasiStatic<D> {
-        suspension.remember(None);
-        let weights = suspension.resistances();
+    pub fn new(session: &Session, suspension: Box<dyn FlowSolver<D>>, step_control: StepControl) -> QuasiStatic<D> {
+        let weights = suspension.resistance().of_bodies();
         let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
         let (session, stop, contact_weights) = (session.clone(), StopRequest::default(), weights.clone());
-        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop, before: None }
+        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop }
+    }
+
+    /// Whether the fluid has inertia: a solve is then a step from the one before.
+    fn evolves(&self) -> bool {
+        self.suspension.evolution().is_some()
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
@@ -140,7 +142,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// The time in which the first body moves by its radius; with inertia in the fluid, whose levels stay where they are, relative to what goes along with
     /// images alone.
     fn time_of_travel(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
-        if !self.suspension.evolves() {
+        if !self.evolves() {
             return time_of_travel(&placed.domain, &placed.balls, &velocities(twists));
         }
         self.time_in_box(placed.state, twists)
@@ -154,7 +156,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The longest step in which free bodies err by what they may.
     fn accurate_step(&self, state: &State<D>, twists: &[Twist<D>]) -> f64 {
-        if state.last_step == 0.0 || self.suspension.evolves() {
+        if state.last_step == 0.0 || self.evolves() {
             return f64::INFINITY;
         }
         let bodies = self.suspension.setup().bodies.iter().zip(&state.bodies).zip(twists).zip(&self.radii);
@@ -170,7 +172,8 @@ impl<const D: usize> QuasiStatic<D> {
         let first = if state.last_step == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
         let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(state, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
-        let stable = self.suspension.longest_step(pushes)?.min(given).min(moved);
+        let stable = self.suspension.evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(pushes))?;
+        let stable = stable.min(given).min(moved);
         // a fixed step that is half taken was not split
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
         let last_step = if whole { 0.0 } else { state.last_step };
@@ -181,11 +184,11 @@ impl<const D: usize> QuasiStatic<D> {
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`; nothing for a
     /// state in the middle of a step.
     fn agree(&mut self, state: &State<D>, tried: Option<f64>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
-        self.suspension.prescribe(state.time);
-        if self.suspension.evolves() {
-            self.suspension.prepare(state.time)?;
-            self.weights = self.suspension.resistances();
-            let of_impulse = self.suspension.of_impulse();
+        self.suspension.prepare(state.time, tried.is_none_or(f64::is_finite))?;
+        if self.evolves() {
+            let resistance = self.suspension.resistance();
+            let of_impulse = resistance.of_impulse;
+            self.weights = resistance.of_bodies();
             self.contact_weights = self.weights.iter().map(|weight| weight / of_impulse).collect();
         }
         let (placed, centers) = (self.placed(state), state.centers());
@@ -213,7 +216,7 @@ impl<const D: usize> QuasiStatic<D> {
                 Configuration { centers: &centers, time: state.time, pressed: &pressed, bonds: &rows, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&configuration, monitor)?;
             solution.pair_stress = PairForce::total_stress(&pair_forces);
-            effort.add_solve(self.suspension.cost());
+            effort.add_solve(&solution.cost);
             for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
                 // the solver meets it to its tolerance
                 found.twist = suspended.body.given_motion().unwrap_or(found.twist);
@@ -343,7 +346,8 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// What flow and bodies passed in the last step over what they may pass in an automatic one; 0 without inertia.
     fn passed(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<f64> {
-        let Some(cells) = self.suspension.courant(state.last_step)? else { return Ok(0.0) };
+        let on_grid = self.suspension.evolution_on_grid();
+        let Some(cells) = on_grid.map_or(Ok(None), |flow| flow.courant(state.last_step))? else { return Ok(0.0) };
         let period = self.step_control.shift_period.map(|period| period.0);
         let shortest = period.is_some_and(|period| state.last_step < period * 1.5);
         if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
@@ -409,7 +413,7 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
-            _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
+            _ if self.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
             Scheme::TwoStep if state.last_step > 0.0 => {
                 Ok(two_step(state, observation, self.looks_back(state, length), &self.suspension.setup().interactions))
             }
@@ -421,7 +425,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// for the first one, which knew the motions of the start only: from there they go along straight lines or, in steps of one length, have jumped at once.
     fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
         let ratio = length / state.last_step;
-        let of_first = if self.suspension.evolves() && state.steps == 1 { 0.5 / ratio } else { 0.0 };
+        let of_first = if self.evolves() && state.steps == 1 { 0.5 / ratio } else { 0.0 };
         0.5 * ratio + of_first
     }
 
@@ -444,23 +448,21 @@ impl<const D: usize> QuasiStatic<D> {
 }
 
 impl<const D: usize> Stepper<D> for QuasiStatic<D> {
-    fn radii(&self) -> &[f64] {
-        &self.radii
+    fn view(&self) -> StepperView<'_, D> {
+        let flow = self.suspension.as_ref();
+        StepperView { radii: &self.radii, interactions: &flow.setup().interactions, twists_now: None, flow: Some(flow) }
     }
 
-    fn interactions(&self) -> &Interactions<D> {
-        &self.suspension.setup().interactions
+    fn free(&self) -> Vec<bool> {
+        self.suspension.setup().bodies.iter().map(|own| own.body.free()).collect()
     }
 
-    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
-        self.suspension.setup().given_places(time)
+    fn settle(&mut self, state: &mut State<D>, _domain: &Domain<D>) {
+        state.place_given(self.suspension.setup().given_places(state.time).into_iter());
     }
 
     fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
-        if longest.is_infinite() {
-            self.before = self.suspension.past().and_then(ExtrapolationHistory::without_fluid);
-        }
         let Agreed { mut solution, twists, contacts, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
         let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
@@ -468,7 +470,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, solution: Some(solution), step_size, passed, effort })
+        Ok(Observation { twists, contacts, solution: Some(solution), step_size, passed, kinetic_energy: None, effort })
     }
 
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
@@ -509,23 +511,8 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         })
     }
 
-    fn withdraw(&mut self) {
-        self.suspension.withdraw();
-    }
-
-    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
-        Some(self.suspension.as_ref())
-    }
-
     fn heed(&mut self, stop: StopRequest) {
         self.stop = stop;
-    }
-
-    fn abandon(&mut self, state: &State<D>) {
-        self.suspension.abandon(state.time);
-        if !self.suspension.history_shape().fluid {
-            self.suspension.remember(self.before.take());
-        }
     }
 
     fn restore(&mut self, history: History<D>) -> Result<()> {

@@ -4,7 +4,7 @@ use std::{f64::consts::PI, path::Path};
 
 use turbid::{
     error::Error,
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{Setup, Suspension},
     petsc::Session,
     scene::Scene,
     study::{KnownScene, Quantity, RefinementSequence, known_scenes, random_scene},

@@ -10,7 +10,7 @@ use turbid::{
     geometry::{Axis, Ball, Domain},
     grid::Grid,
     interaction::{Arrangement, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{Setup, Suspension},
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
     plan::Plan,

@@ -15,7 +15,7 @@ use turbid::{
     geometry::{Axis, Domain},
     interaction::Interactions,
     mechanics::{ResidualMonitor, State},
-    motion::{Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StopRequest},
+    motion::{Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView, StopRequest},
     parallel::Peers,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
@@ -60,7 +60,15 @@ impl Stepper<2> for Hurdles {
             self.refuse(state.time, step_size.natural)?;
         }
         let twists = vec![Twist { velocity: Vector2::x(), ..Twist::zero() }];
-        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, effort: Effort::default() })
+        Ok(Observation {
+            twists,
+            contacts: Vec::new(),
+            solution: None,
+            step_size,
+            passed: 0.0,
+            kinetic_energy: None,
+            effort: Effort::default(),
+        })
     }
 
     fn advance(&mut self, state: &State<2>, observation: &Observation<2>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<2>> {
@@ -80,12 +88,12 @@ impl Stepper<2> for Hurdles {
         })
     }
 
-    fn radii(&self) -> &[f64] {
-        &[0.5]
+    fn view(&self) -> StepperView<'_, 2> {
+        StepperView { radii: &[0.5], interactions: &self.interactions, twists_now: None, flow: None }
     }
 
-    fn interactions(&self) -> &Interactions<2> {
-        &self.interactions
+    fn free(&self) -> Vec<bool> {
+        vec![true]
     }
 }
 

@@ -26,7 +26,7 @@ use self::{
 };
 use super::{
     step_control::{BodyMotion, StepControl, StepLimits},
-    stepper::{Effort, Observation, StepOutcome, Stepper},
+    stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
 use crate::{
@@ -347,6 +347,28 @@ impl<const D: usize> Granular<D> {
         pulls
     }
 
+    /// Kinetic energy of own bodies that forces move, with these motions.
+    fn kinetic_energy(&self, twists: &[Twist<D>]) -> f64 {
+        let of_body = |(own, twist): (&Constants<D>, &Twist<D>)| {
+            // a skew matrix has each component of the spin twice
+            let turning = 0.5 * own.inertia * twist.spin.norm_squared();
+            0.5 * (own.mass * twist.velocity.norm_squared() + turning)
+        };
+        self.bodies.iter().zip(twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum()
+    }
+
+    /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
+    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        let mut places: Vec<_> =
+            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
+        for (number, displacement) in self.trajectories.displacements(time) {
+            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
+                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
+            }
+        }
+        places
+    }
+
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
         if !self.peers().any(!state.stuck.is_empty()) {
@@ -363,32 +385,17 @@ fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
 }
 
 impl<const D: usize> Stepper<D> for Granular<D> {
-    fn radii(&self) -> &[f64] {
-        &self.radii
+    fn view(&self) -> StepperView<'_, D> {
+        let twists_now = Some(&self.known.twists[..]).filter(|twists| twists.len() == self.bodies.len());
+        StepperView { radii: &self.radii, interactions: &self.interactions, twists_now, flow: None }
     }
 
     fn free(&self) -> Vec<bool> {
         self.bodies.iter().map(|body| body.mass.is_finite()).collect()
     }
 
-    fn twists_now(&self) -> Option<&[Twist<D>]> {
-        Some(&self.known.twists).filter(|twists| twists.len() == self.bodies.len()).map(Vec::as_slice)
-    }
-
-    fn kinetic_energy(&self) -> Option<f64> {
-        let of_body = |(own, twist): (&Constants<D>, &Twist<D>)| {
-            // a skew matrix has each component of the spin twice
-            let turning = 0.5 * own.inertia * twist.spin.norm_squared();
-            0.5 * (own.mass * twist.velocity.norm_squared() + turning)
-        };
-        Some(self.bodies.iter().zip(&self.known.twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum())
-    }
-
-    fn interactions(&self) -> &Interactions<D> {
-        &self.interactions
-    }
-
-    fn migrate(&mut self, state: &mut State<D>, domain: &Domain<D>) {
+    fn settle(&mut self, state: &mut State<D>, domain: &Domain<D>) {
+        state.place_given(self.given_places(state.time).into_iter());
         let peers = Peers::from(self.session.world());
         migration::migrate(peers, domain, &self.regions, state, &mut self.bodies);
         self.known.twists.clear();
@@ -417,18 +424,8 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
         let limits = StepLimits { stable, tried: longest };
         let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
-        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, effort: Effort::default() })
-    }
-
-    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
-        let mut places: Vec<_> =
-            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
-        for (number, displacement) in self.trajectories.displacements(time) {
-            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
-                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
-            }
-        }
-        places
+        let kinetic_energy = Some(self.kinetic_energy(&twists));
+        Ok(Observation { twists, contacts: Vec::new(), solution: None, step_size, passed: 0.0, kinetic_energy, effort: Effort::default() })
     }
 
     fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
