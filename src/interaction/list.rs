@@ -86,9 +86,10 @@ impl<const D: usize> Interactions<D> {
     pub fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
         let mut all = Forces::default();
         for interaction in self.iter() {
-            let Forces { contacts, pairs } = interaction.forces(arrangement);
+            let Forces { contacts, pairs, single } = interaction.forces(arrangement);
             all.contacts.extend(contacts);
             all.pairs.extend(pairs);
+            all.single.extend(single);
         }
         let cluster_of = self.cluster_of();
         if !cluster_of.is_empty() {

@@ -10,11 +10,10 @@ use super::{
     solution::Solution,
 };
 use crate::{
-    body::Row,
     error::{Error, Result},
     geometry::Ball,
     grid::Grid,
-    interaction::{Arrangement, PairForce, Wrench},
+    interaction::{Arrangement, Forces, PairForce},
 };
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.
@@ -72,13 +71,14 @@ impl<const D: usize> dyn FlowSolver<D> + '_ {
         }
         let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
         let (centers, weights, viscosity) = (setup.centers(), self.resistance().of_bodies(), Some(setup.viscosity));
-        let arrangement =
-            Arrangement { domain: &setup.domain, numbers: None, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
-        let forces = setup.interactions.forces(&arrangement).pairs;
-        let pushes = Wrench::on_bodies(balls.len(), [], &forces);
-        let welds: Vec<Row<D>> = setup.welds_in_the_box(&centers);
-        let configuration = Configuration { pushes: &pushes, ..Configuration::at_rest(setup, &centers, &welds) };
-        let solution = self.solve_at(&configuration, monitor)?;
-        Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
+        let welds = setup.welds_in_the_box(&centers);
+        let at_rest = Configuration::at_rest(setup, &centers, &welds);
+        let (domain, reach, time) = (&setup.domain, f64::INFINITY, at_rest.time);
+        let arrangement = Arrangement { domain, numbers: None, balls: &balls, weights: &weights, viscosity, reach, time };
+        // forces of contact are those of a step
+        let forces = Forces { contacts: Vec::new(), ..setup.interactions.forces(&arrangement) };
+        let pushes = forces.on_bodies(balls.len(), &[]);
+        let solution = self.solve_at(&Configuration { pushes: &pushes, ..at_rest }, monitor)?;
+        Ok(Solution { pair_stress: PairForce::total_stress(&forces.pairs), ..solution })
     }
 }

@@ -31,7 +31,7 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, KktReport, Partner, Projection},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
+    interaction::{Arrangement, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
         Configuration, ContactHistory, FlowSolver, History, Moving, ResidualMonitor, Solution, State,
         unsteady::{COURANT, LARGEST_COURANT},
@@ -116,8 +116,9 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     fn arrangement<'a>(&'a self, placed: &'a Placed<'a, D>) -> Arrangement<'a, D> {
-        let viscosity = Some(self.suspension.setup().viscosity);
-        Arrangement { domain: &placed.domain, numbers: None, balls: &placed.balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
+        let (viscosity, time) = (Some(self.suspension.setup().viscosity), placed.state.time);
+        let Placed { domain, balls, .. } = placed;
+        Arrangement { domain, numbers: None, balls, weights: &self.weights, viscosity, reach: f64::INFINITY, time }
     }
 
     /// Contacts over a step from where bodies are.
@@ -197,7 +198,7 @@ impl<const D: usize> QuasiStatic<D> {
         let mut tolerance = setup.tolerance.in_a_step(self.travelled(state));
         let touch = interactions.touch();
         self.refuse_overlap(&placed, touch)?;
-        let Forces { contacts: known, pairs: pair_forces } = interactions.forces(&self.arrangement(&placed));
+        let forces = interactions.forces(&self.arrangement(&placed));
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
         let springs = interactions.springs(&self.arrangement(&placed));
         let mut pressed = self.expected(&placed, touch)?;
@@ -210,12 +211,12 @@ impl<const D: usize> QuasiStatic<D> {
             let tied = kept_apart(&springs, &self.weights, step);
             pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
             let loose = self.contact_step(&placed, step).loose(&pressed);
-            let pushes = Wrench::on_bodies(centers.len(), known.iter().chain(&loose), &pair_forces);
+            let pushes = forces.on_bodies(centers.len(), &loose);
             let rows = [self.spring_rows(&placed, &springs, step), interactions.welds(&centers)].concat();
             let configuration =
                 Configuration { centers: &centers, time: state.time, pressed: &pressed, bonds: &rows, step, pushes: &pushes, tolerance };
             let mut solution = self.suspension.solve_at(&configuration, monitor)?;
-            solution.pair_stress = PairForce::total_stress(&pair_forces);
+            solution.pair_stress = PairForce::total_stress(&forces.pairs);
             effort.add_solve(&solution.cost);
             for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
                 // the solver meets it to its tolerance
@@ -234,7 +235,7 @@ impl<const D: usize> QuasiStatic<D> {
                 continue;
             }
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: known, step_size });
+                return Ok(Agreed { solution, twists, contacts: forces.contacts, step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
@@ -252,7 +253,7 @@ impl<const D: usize> QuasiStatic<D> {
                 for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
-                let contacts = [known, projection.forces].concat();
+                let contacts = [forces.contacts, projection.forces].concat();
                 return Ok(Agreed { solution, twists, contacts, step_size });
             }
             let projected = contacts.closed(projection);

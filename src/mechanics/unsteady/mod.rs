@@ -213,8 +213,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(())
     }
 
-    /// What there is before the first step.
-    fn at_rest(&mut self, configuration: &Configuration<D>) -> Result<Solution<D>> {
+    /// The flow before the first step.
+    fn initial_flow(&self, centers: &[SVector<f64, D>]) -> Result<Vector> {
         let mut fluid = self.fixed.stokes.vector()?;
         let mean_velocity = self.fixed.imposed_mean_velocity();
         let mut values = fluid.local_mut()?;
@@ -228,7 +228,13 @@ impl<const D: usize> UnsteadySuspension<D> {
             }
         }
         drop(values);
-        self.start_free_bodies(configuration.centers, &mut fluid)?;
+        self.start_free_bodies(centers, &mut fluid)?;
+        Ok(fluid)
+    }
+
+    /// What there is before the first step.
+    fn at_rest(&mut self, configuration: &Configuration<D>) -> Result<Solution<D>> {
+        let fluid = self.initial_flow(configuration.centers)?;
         let bodies = &self.fixed.setup.bodies;
         let twists = self.starting_motions();
         let multipliers: Vec<_> = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
@@ -255,7 +261,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(Solution {
             bodies: states,
             fluid,
-            mean_velocity,
+            mean_velocity: self.fixed.imposed_mean_velocity(),
             pressure_gradient: SVector::zeros(),
             walls: WallForces::none(),
             contact_forces: vec![0.0; configuration.pressed.len()],
@@ -414,7 +420,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         solution: &mut Solution<D>,
         multipliers: Vec<Vec<f64>>,
         configuration: &Configuration<D>,
-        (weights, lag): (StepWeights, f64),
+        weights: StepWeights,
+        lag: f64,
     ) -> Result<()> {
         let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
         let spin_ups = momentum.complete(&mut solution.bodies);
@@ -521,7 +528,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let configuration = Configuration { pushes: &pushes, pressed: &pressed, ..*configuration };
         self.cost.assembly = start.elapsed().as_secs_f64();
         let (mut solution, multipliers) = self.solve_system(assembly, &configuration, weights, monitor)?;
-        self.keep(&mut solution, multipliers, &configuration, (weights, lag))?;
+        self.keep(&mut solution, multipliers, &configuration, weights, lag)?;
         Ok(Solution { cost: self.cost, ..solution })
     }
 }

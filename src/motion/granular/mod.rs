@@ -34,7 +34,7 @@ use crate::{
     contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
     error::{Error, Result},
     geometry::{Ball, Domain},
-    interaction::{Arrangement, Forces, Interactions, Touch, Wrench},
+    interaction::{Arrangement, Interactions, Touch},
     mechanics::{GivenPlace, Moving, ResidualMonitor, State},
     parallel::Peers,
     petsc::{Session, Stage, enter},
@@ -191,9 +191,9 @@ impl<const D: usize> Granular<D> {
         // nobody looks beyond the own bodies where nothing acts at a distance
         let peers = if self.reach > 0.0 { self.peers() } else { Peers::Alone };
         let near = self.neighbours(peers, state, &[]);
-        let arrangement = near.arrangement(&self.domain, self.reach);
-        let Forces { contacts, pairs } = self.interactions.forces(&arrangement);
-        let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &pairs);
+        let arrangement = near.arrangement(&self.domain, self.reach, state.time);
+        let forces = self.interactions.forces(&arrangement);
+        let (pushes, contacts) = (forces.on_bodies(near.halo.len(), &[]), forces.contacts);
         let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
         let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
         let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
@@ -230,7 +230,8 @@ impl<const D: usize> Granular<D> {
         )?;
         let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
         let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
-        let arrangement = Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
+        let arrangement =
+            Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0, time: state.time };
         let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
         let remembered = migration::remembered(peers, &found, &state.stuck, remember);
         Ok((found, remembered))
@@ -375,7 +376,7 @@ impl<const D: usize> Granular<D> {
             return Vec::new();
         }
         let near = self.neighbours(self.peers(), state, &state.stuck);
-        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach), &near.stuck, step);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.stuck, step);
         near.own_contacts(bounds)
     }
 }

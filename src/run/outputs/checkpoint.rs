@@ -105,9 +105,7 @@ fn read_history<const D: usize>(
     let (names, bodies) = (|most: usize| LEVELS[..steps.min(most)].iter(), suspension.setup().bodies.len());
     Ok(History {
         past: read_past(checkpoint, grid, shape.fluid.then(fluid).transpose()?.as_ref())?,
-        levels: names(shape.levels)
-            .map(|name| read_level(checkpoint, (grid, fluid()?), &shape.multipliers, name))
-            .collect::<Result<_>>()?,
+        levels: names(shape.levels).map(|name| read_level(checkpoint, grid, fluid()?, &shape.multipliers, name)).collect::<Result<_>>()?,
         mesh_levels: names(shape.mesh_levels).map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?,
     })
 }
@@ -149,7 +147,8 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
 
 fn read_level<const D: usize>(
     checkpoint: &Checkpoint,
-    (grid, mut fluid): (&Grid<D>, Vector),
+    grid: &Grid<D>,
+    mut fluid: Vector,
     multipliers: &[usize],
     name: &str,
 ) -> Result<Level<D>> {
