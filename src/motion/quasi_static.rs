@@ -185,6 +185,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`; nothing for a
     /// state in the middle of a step.
     fn agree(&mut self, state: &State<D>, tried: Option<f64>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
+        // where a longer step led nowhere, solves go on from those that tried it
         self.suspension.prepare(state.time, tried.is_none_or(f64::is_finite))?;
         if self.evolves() {
             let resistance = self.suspension.resistance();
