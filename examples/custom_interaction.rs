@@ -5,7 +5,7 @@
 #![allow(clippy::print_stdout, reason = "it is there to be read")]
 
 use nalgebra::{SMatrix, Vector2};
-use turbid::interaction::{Arrangement, Interaction, PairForce};
+use turbid::interaction::{Arrangement, Forces, Interaction, PairForce};
 use turbid::{contact::Contact, error::Result, geometry::near_pairs, petsc::Session, plan::Plan, scene::Scene};
 
 const SCENE: &str = r#"
@@ -38,13 +38,14 @@ impl Interaction<2> for Dipoles {
         self.gap
     }
 
-    fn pair_forces(&self, arrangement: &Arrangement<2>) -> Vec<PairForce<2>> {
+    fn forces(&self, arrangement: &Arrangement<2>) -> Forces<2> {
         let force = |contact: Contact<2>| {
             let (field, normal) = (Vector2::y(), contact.normal);
             let direction = field * (2.0 * normal.y) + normal * (1.0 - 5.0 * normal.y.powi(2));
             PairForce { contact, force: direction * self.strength / contact.separation.powi(4), torques: [SMatrix::zeros(); 2] }
         };
-        arrangement.near(self.gap).into_iter().filter(|contact| contact.other().is_some()).map(force).collect()
+        let near = arrangement.near(self.gap).into_iter().filter(|contact| contact.other().is_some());
+        near.map(force).collect::<Vec<_>>().into()
     }
 }
 

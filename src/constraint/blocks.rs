@@ -5,7 +5,7 @@ use std::{collections::HashMap, ops::Range, rc::Rc};
 use nalgebra::{DMatrixView, DMatrixViewMut, SMatrix, SVector};
 
 use super::{
-    body::{BodyBlocks, FreeInverse, Plans, WallForces, Walls},
+    body::{BodyBlocks, BodyRows, FreeInverse, InteriorBlocks, Plans, WallForces, Walls},
     layout::MultiplierLayout,
     method::FlowMethod,
     placed::{Neighbour, Placed, Situation, Surrounded},
@@ -139,10 +139,11 @@ impl<const D: usize> Blocks<D> {
         let (others, own) = (self.read.fetch(u)?, u.local()?);
         let u = Entries { own: &own, others };
         let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
-        for alike in
-            self.bodies.chunk_by(|body, next| body.surface().zip(next.surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other)))
+        for alike in self
+            .bodies
+            .chunk_by(|body, next| body.rows().surface().zip(next.rows().surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other)))
         {
-            let Some(surface) = alike[0].surface() else {
+            let Some(surface) = alike[0].rows().surface() else {
                 let count = alike[0].count();
                 alike[0].read(u, walls, &mut scratch, &mut out[first..][..count]);
                 first += count;
@@ -160,7 +161,9 @@ impl<const D: usize> Blocks<D> {
                     &DMatrixView::from_slice(&values, rows, bodies.len()),
                     0.0,
                 );
-                bodies.iter().zip(out[first..].chunks_exact_mut(count)).for_each(|(body, out)| body.read_inside(u, out));
+                let interiors =
+                    bodies.iter().zip(out[first..].chunks_exact_mut(count)).filter_map(|(body, out)| body.interior().zip(Some(out)));
+                interiors.for_each(|(interior, out)| interior.read_inside(u, out));
                 first += bodies.len() * count;
             }
         }
@@ -180,7 +183,7 @@ impl<const D: usize> Blocks<D> {
     /// Turns multipliers of rotations into the spin-ups that they give; others are as they were.
     pub fn spin_up(&self, multipliers: &mut [f64]) {
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
-            let of_rotation = body.spin_up_of_rotation();
+            let of_rotation = body.interior().map_or(0.0, InteriorBlocks::spin_up_of_rotation);
             multipliers[range.clone()][rotations::<D>()].iter_mut().for_each(|value| *value *= of_rotation);
         }
     }
@@ -191,7 +194,9 @@ impl<const D: usize> Blocks<D> {
             let (mut own, others) = (rows.local_mut()?, self.spread.places());
             let mut rows = EntriesMut { own: &mut own, others };
             for (body, range) in self.bodies.iter().zip(&self.ranges) {
-                body.spread_spin_up(factor, &spin_ups[range.clone()][rotations::<D>()], &mut rows);
+                if let Some(interior) = body.interior() {
+                    interior.spread_spin_up(factor, &spin_ups[range.clone()][rotations::<D>()], &mut rows);
+                }
             }
         }
         self.spread.add_back(rows)
@@ -202,7 +207,9 @@ impl<const D: usize> Blocks<D> {
         let (others, own) = (self.multipliers.fetch(spin_ups)?, spin_ups.local()?);
         let all = Entries { own: &own, others };
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
-            body.add_spin_up(all, &mut out[range.clone()]);
+            if let Some(interior) = body.interior() {
+                interior.add_spin_up(all, &mut out[range.clone()]);
+            }
         }
         Ok(())
     }
@@ -227,6 +234,9 @@ impl<const D: usize> Blocks<D> {
     /// Approximate inverse of the diagonal block of one of the bodies in the rows that are not rigid, unless its
     /// rows are those of surface modes.
     pub fn free_inverse(&self, local: usize) -> Option<Rc<dyn FreeInverse>> {
-        self.bodies[local].free_inverse()
+        match self.bodies[local].rows() {
+            BodyRows::Surface(_) => None,
+            BodyRows::Own(inverse) => inverse.cloned(),
+        }
     }
 }

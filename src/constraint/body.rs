@@ -21,30 +21,19 @@ pub trait BodyBlocks<const D: usize> {
     /// `rows += factor * C c`; `scratch` may hold anything.
     fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut);
 
-    /// Writes `J u`, before it is projected on the modes of a [`surface`](Self::surface); `scratch` may hold anything.
+    /// Writes `J u`, before it is projected on the modes of a [surface](BodyRows::Surface); `scratch` may hold anything.
     fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]);
 
-    /// Replaces in `out` the rows whose velocities are not those of the surface, if there are such.
-    fn read_inside(&self, _u: Entries, _out: &mut [f64]) {}
-
-    /// The surface on whose modes what is read has to be projected.
-    fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
-        None
-    }
+    /// What its rows are.
+    fn rows(&self) -> BodyRows<'_, D>;
 
     /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
     fn add_local(&self, _own: &[f64], _all: Entries, _out: &mut [f64]) {}
 
-    /// Spin-up `rho w' / mu` that a unit multiplier of rotation gives the body; none without inertia and for motion that is given.
-    fn spin_up_of_rotation(&self) -> f64 {
-        0.0
+    /// What moves inside it, with inertia.
+    fn interior(&self) -> Option<&dyn InteriorBlocks> {
+        None
     }
-
-    /// `rows += factor *` what the spin-up of this body, one number a plane, adds to them; none without inertia.
-    fn spread_spin_up(&self, _factor: f64, _spin_up: &[f64], _rows: &mut EntriesMut) {}
-
-    /// `out +=` what spin-ups of bodies, in the places of multipliers of rotations, add to the velocities on the surface.
-    fn add_spin_up(&self, _spin_ups: Entries, _out: &mut [f64]) {}
 
     /// What the rows make of a velocity, or of a scalar in the place of its first component, known at each offset from the centre.
     fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64>;
@@ -55,15 +44,43 @@ pub trait BodyBlocks<const D: usize> {
     /// Adds what multipliers exert directly on the lower and the upper wall across each axis.
     fn add_on_walls(&self, _c: &[f64], _forces: &mut WallForces<D>) {}
 
-    /// Approximate inverse of the diagonal block in the rows that are not rigid, unless the rows are those of surface modes.
-    fn free_inverse(&self) -> Option<Rc<dyn FreeInverse>> {
-        None
-    }
-
     /// Memory that the assembly of another body can use again.
     fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
         Vec::new()
     }
+}
+
+/// What the rows of a body are.
+pub enum BodyRows<'a, const D: usize> {
+    /// Velocities at the points of a surface, which have to be projected on its modes.
+    Surface(&'a Rc<SurfaceTable<D>>),
+    /// Equations of their own, with an approximate inverse of the diagonal block in those that are not rigid, if there is one.
+    Own(Option<&'a Rc<dyn FreeInverse>>),
+}
+
+impl<'a, const D: usize> BodyRows<'a, D> {
+    /// The surface on whose modes what is read has to be projected.
+    pub fn surface(&self) -> Option<&'a Rc<SurfaceTable<D>>> {
+        match self {
+            BodyRows::Surface(surface) => Some(surface),
+            BodyRows::Own(_) => None,
+        }
+    }
+}
+
+/// What a body with inertia adds by what moves inside it.
+pub trait InteriorBlocks {
+    /// Spin-up `rho w' / mu` that a unit multiplier of rotation gives the body; 0 for motion that is given.
+    fn spin_up_of_rotation(&self) -> f64;
+
+    /// `rows += factor *` what the spin-up of this body, one number a plane, adds to them.
+    fn spread_spin_up(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut);
+
+    /// `out +=` what spin-ups of bodies, in the places of multipliers of rotations, add to the velocities on the surface.
+    fn add_spin_up(&self, _spin_ups: Entries, _out: &mut [f64]) {}
+
+    /// Replaces in `out` the rows whose velocities are not those of the surface, if there are such.
+    fn read_inside(&self, _u: Entries, _out: &mut [f64]) {}
 }
 
 /// Forces on the lower and the upper wall across each axis.

@@ -7,6 +7,7 @@ use nalgebra::SVector;
 
 use super::{
     blocks::rotations,
+    body::InteriorBlocks,
     places::{EntriesMut, Places},
 };
 use crate::{body::planes, linalg::dot, surface::unit_rotation};
@@ -56,5 +57,15 @@ impl InteriorForce {
     /// `rows += factor *` the force that goes with the rotation modes among the multipliers of the body.
     pub fn add_of_rotations<const D: usize>(&self, factor: f64, c: &[f64], rows: &mut EntriesMut) {
         self.add(factor * self.factor, &c[rotations::<D>()], rows);
+    }
+}
+
+impl InteriorBlocks for InteriorForce {
+    fn spin_up_of_rotation(&self) -> f64 {
+        self.factor()
+    }
+
+    fn spread_spin_up(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut) {
+        self.add(factor, spin_up, rows);
     }
 }

@@ -22,6 +22,19 @@ pub struct Arrangement<'a, const D: usize> {
     pub viscosity: Option<f64>,
     /// Gap up to which all neighbours of the bodies of this rank are among them.
     pub reach: f64,
+    /// The time, which forces that change with it follow.
+    pub time: f64,
+}
+
+/// Forces that follow from where bodies are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forces<const D: usize> {
+    /// Along the lines of centres of bodies that touch: they count as contacts.
+    pub contacts: Vec<ContactForce<D>>,
+    /// Others, between near bodies. A pair is the same on every rank that knows both.
+    pub pairs: Vec<PairForce<D>>,
+    /// On single bodies, by their places in the arrangement; the same on every rank that knows a body.
+    pub single: Vec<(usize, Wrench<D>)>,
 }
 
 /// A force and torques on two near bodies, or on a body and a wall.
@@ -46,7 +59,7 @@ pub struct Wrench<const D: usize> {
 
 impl<const D: usize> Arrangement<'_, D> {
     /// The number of the body at a place.
-    pub(super) fn number(&self, place: usize) -> usize {
+    pub fn number(&self, place: usize) -> usize {
         self.numbers.map_or(place, |numbers| numbers[place])
     }
 
@@ -91,6 +104,30 @@ impl<const D: usize> Wrench<D> {
         contacts.into_iter().map(PairForce::from).for_each(&mut add);
         others.into_iter().copied().for_each(add);
         wrenches
+    }
+}
+
+impl<const D: usize> Default for Forces<D> {
+    fn default() -> Self {
+        Forces { contacts: Vec::new(), pairs: Vec::new(), single: Vec::new() }
+    }
+}
+
+impl<const D: usize> Forces<D> {
+    /// The sum on each of so many bodies, with contact forces besides.
+    pub fn on_bodies(&self, bodies: usize, others: &[ContactForce<D>]) -> Vec<Wrench<D>> {
+        let mut wrenches = Wrench::on_bodies(bodies, self.contacts.iter().chain(others), &self.pairs);
+        for (body, wrench) in &self.single {
+            wrenches[*body].force += wrench.force;
+            wrenches[*body].torque += wrench.torque;
+        }
+        wrenches
+    }
+}
+
+impl<const D: usize> From<Vec<PairForce<D>>> for Forces<D> {
+    fn from(pairs: Vec<PairForce<D>>) -> Self {
+        Forces { pairs, ..Forces::default() }
     }
 }
 

@@ -12,7 +12,7 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Arrangement, Conserved, Hinge, Interaction, Spring, spring::beyond_rounding};
+use super::{Conserved, Groups, Hinge, Interaction, Spring, Ties, spring::beyond_rounding};
 
 /// Curvature that has no direction: any across the chain will do.
 const STRAIGHT: f64 = 1e-12;
@@ -66,11 +66,17 @@ impl<const D: usize> Interaction<D> for Bonds {
         format!("{stretches} springs and {bends} angles of chains and cells{kept}, implicit: a row of the coupled system each")
     }
 
-    fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
-        self.springs_of(&(0..usize::MAX), &|body: usize| arrangement.balls[body].center)
+    fn ties(&self) -> Option<&dyn Ties<D>> {
+        Some(self)
+    }
+}
+
+impl<const D: usize> Ties<D> for Bonds {
+    fn groups(&self) -> Groups<'_, D> {
+        Groups { chains: &self.chains, conserved: &self.conserved, ..Groups::default() }
     }
 
-    fn springs_of(&self, chain: &Range<usize>, center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
+    fn springs(&self, chain: &Range<usize>, center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
         let center = |body: usize| center(body);
         let stretches = of_chain(&self.stretches, chain, |stretch| stretch.bodies[0]).iter().map(|stretch| stretch.spring(&center));
         let bends = of_chain(&self.bends, chain, |bend| bend.bodies[1]).iter();
@@ -80,16 +86,8 @@ impl<const D: usize> Interaction<D> for Bonds {
         stretches.chain(bends).chain(hinges).chain(conserved.map(|conserved| conserved.spring(&center))).collect()
     }
 
-    fn chains(&self) -> Vec<Range<usize>> {
-        self.chains.to_vec()
-    }
-
     fn bonds(&self) -> Vec<[usize; 2]> {
         self.stretches.iter().map(|stretch| stretch.bodies).collect()
-    }
-
-    fn conserved(&self) -> Vec<Conserved> {
-        self.conserved.to_vec()
     }
 }
 
@@ -162,20 +160,9 @@ mod tests {
     use nalgebra::{Vector2, Vector3};
 
     use super::*;
-    use crate::geometry::{Axis, Ball, Domain};
 
     fn springs<const D: usize>(centers: &[SVector<f64, D>], bonds: &Bonds) -> Vec<Spring<D>> {
-        let balls: Vec<Ball<D>> = centers.iter().map(|&center| Ball { center, radius: 0.5 }).collect();
-        let domain = Domain { size: SVector::repeat(20.0), axes: std::array::from_fn(|_| Axis::Periodic) };
-        let weights = vec![1.0; balls.len()];
-        bonds.springs(&Arrangement {
-            domain: &domain,
-            numbers: None,
-            balls: &balls,
-            weights: &weights,
-            viscosity: Some(1.0),
-            reach: f64::INFINITY,
-        })
+        bonds.springs(&(0..usize::MAX), &|body: usize| centers[body])
     }
 
     fn bonds(angle: f64) -> Bonds {

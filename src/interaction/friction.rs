@@ -1,6 +1,6 @@
 //! Coulomb friction at contacts.
 
-use super::Interaction;
+use super::{ContactLaw, Interaction};
 use crate::geometry::Ball;
 
 /// Coulomb friction at inelastic contacts of bodies with each other and with walls ([`contact`](crate::contact)).
@@ -32,7 +32,7 @@ impl<const D: usize> Interaction<D> for Friction {
         format!("Coulomb's exact law with coefficient {}, at the level of velocities{touching}", self.coefficient)
     }
 
-    fn friction(&self) -> Option<Friction> {
-        Some(*self)
+    fn contact(&self) -> ContactLaw<'_, D> {
+        ContactLaw { friction: Some(*self), ..ContactLaw::default() }
     }
 }

@@ -13,7 +13,7 @@
 
 use std::collections::HashMap;
 
-use super::{Arrangement, Interaction, Touch};
+use super::{Arrangement, ContactLaw, ContactMemory, Interaction, Touch};
 use crate::contact::{AdhesiveContact, Contact, ContactForce};
 
 /// Changes of memory below this part of the largest are rounding.
@@ -36,10 +36,12 @@ impl<const D: usize> Interaction<D> for Gluey {
         format!("gluey, one quadratic program a step, split into islands, and a memory for each contact that sticks, {least}")
     }
 
-    fn touch(&self) -> Option<Touch> {
-        Some(Touch::Hard)
+    fn contact(&self) -> ContactLaw<'_, D> {
+        ContactLaw { memory: Some(self), ..Touch::Hard.into() }
     }
+}
 
+impl<const D: usize> ContactMemory<D> for Gluey {
     fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[AdhesiveContact<D>], step: f64) -> Vec<ContactForce<D>> {
         let bound = |adhesive: &AdhesiveContact<D>| {
             let contact = Contact::again(arrangement.domain, arrangement.balls, adhesive.identity());

@@ -1,6 +1,6 @@
 //! Inelastic contact: bodies do not overlap at the end of a step and do not bounce.
 
-use super::{Interaction, Touch};
+use super::{ContactLaw, Interaction, Touch};
 
 /// Inelastic contact ([`contact`](crate::contact)).
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +15,7 @@ impl<const D: usize> Interaction<D> for Inelastic {
         "inelastic, one quadratic program a step, split into islands".into()
     }
 
-    fn touch(&self) -> Option<Touch> {
-        Some(Touch::Hard)
+    fn contact(&self) -> ContactLaw<'_, D> {
+        Touch::Hard.into()
     }
 }

@@ -13,7 +13,7 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::Interaction;
+use super::{Groups, Interaction, Ties};
 use crate::body::{RigidFunctional, Row, skew};
 
 /// The beads of a chain on fixed joints.
@@ -43,16 +43,18 @@ impl<const D: usize> Interaction<D> for Joints {
         format!("{beads} beads that turn with the line of their chain: {} rows of the coupled system", beads * (D - 1) + twists)
     }
 
-    fn ties(&self) -> bool {
-        true
+    fn ties(&self) -> Option<&dyn Ties<D>> {
+        Some(self)
+    }
+}
+
+impl<const D: usize> Ties<D> for Joints {
+    fn groups(&self) -> Groups<'_, D> {
+        Groups { turns: true, ..Groups::default() }
     }
 
     fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         self.chains.iter().flat_map(|chain| chain.rows(centers)).collect()
-    }
-
-    fn turns(&self) -> bool {
-        true
     }
 }
 

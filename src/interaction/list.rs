@@ -4,7 +4,7 @@ use std::{fmt, ops::Range, rc::Rc};
 
 use nalgebra::SVector;
 
-use super::{Arrangement, Cluster, Conserved, Friction, Interaction, PairForce, Spring, Touch};
+use super::{Arrangement, Cluster, Conserved, ContactMemory, Forces, Friction, Groups, Interaction, PairResistance, Spring, Ties, Touch};
 use crate::{
     body::Row,
     constraint::{
@@ -33,7 +33,7 @@ impl<const D: usize> Interactions<D> {
 
     /// Those that tie no bodies to each other, and so go with any bodies.
     pub fn untied(&self) -> Self {
-        Interactions::new(self.shared().filter(|interaction| !interaction.ties()))
+        Interactions::new(self.shared().filter(|interaction| interaction.ties().is_none()))
     }
 
     /// Each of them, to be shared with another list.
@@ -54,12 +54,12 @@ impl<const D: usize> Interactions<D> {
     /// How bodies notice that they touch: the hardest way of all.
     pub fn touch(&self) -> Option<Touch> {
         let hardest = |one, other| if one == Touch::Hard { one } else { other };
-        self.iter().filter_map(Interaction::touch).reduce(hardest)
+        self.iter().filter_map(|interaction| interaction.contact().touch).reduce(hardest)
     }
 
     /// Friction at contacts, if there is any.
     pub fn friction(&self) -> Option<Friction> {
-        self.iter().find_map(Interaction::friction)
+        self.iter().find_map(|interaction| interaction.contact().friction)
     }
 
     /// Whether velocities are projected on those that keep bodies apart.
@@ -69,12 +69,12 @@ impl<const D: usize> Interactions<D> {
 
     /// Whether any has rows in the coupled system.
     pub fn resist(&self) -> bool {
-        self.iter().any(Interaction::resists)
+        self.resistances().next().is_some()
     }
 
     /// Whether any has rows that turn bodies.
     pub fn turn(&self) -> bool {
-        self.resist() || self.iter().any(Interaction::turns)
+        self.resist() || self.groups().any(|groups| groups.turns)
     }
 
     /// The longest [`Interaction::reach`].
@@ -82,26 +82,32 @@ impl<const D: usize> Interactions<D> {
         self.iter().map(|interaction| interaction.reach(largest_radius)).fold(0.0, f64::max)
     }
 
-    /// See [`Interaction::contact_forces`].
-    pub fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
-        let forces = self.iter().flat_map(|interaction| interaction.contact_forces(arrangement));
-        forces.filter(|pressed| self.between_clusters(&pressed.contact, arrangement)).collect()
+    /// See [`Interaction::forces`]; none between balls that move as one.
+    pub fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
+        let mut all = Forces::default();
+        for interaction in self.iter() {
+            let Forces { contacts, pairs, single } = interaction.forces(arrangement);
+            all.contacts.extend(contacts);
+            all.pairs.extend(pairs);
+            all.single.extend(single);
+        }
+        let cluster_of = self.cluster_of();
+        if !cluster_of.is_empty() {
+            let apart = |contact: &Contact<D>| !contact.within_cluster(cluster_of, |place| arrangement.number(place));
+            all.contacts.retain(|force| apart(&force.contact));
+            all.pairs.retain(|force| apart(&force.contact));
+        }
+        all
     }
 
-    /// See [`Interaction::pair_forces`].
-    pub fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
-        let forces = self.iter().flat_map(|interaction| interaction.pair_forces(arrangement));
-        forces.filter(|force| self.between_clusters(&force.contact, arrangement)).collect()
-    }
-
-    /// Whether any [acts at a distance](Interaction::acts_at_a_distance).
+    /// Whether any may have forces where bodies do not touch, now or when they are nearer: their part of the stress is then a number at any time.
     pub fn act_at_a_distance(&self) -> bool {
-        self.iter().any(Interaction::acts_at_a_distance)
+        self.iter().any(|interaction| interaction.contact().touch.is_none() && interaction.reach(1.0) > 0.0)
     }
 
     /// Whether any ties bodies: chains, membranes or clusters.
     pub fn tie(&self) -> bool {
-        self.iter().any(Interaction::ties)
+        self.ties().next().is_some()
     }
 
     /// See [`Interaction::steepest`]; slopes add up.
@@ -109,12 +115,12 @@ impl<const D: usize> Interactions<D> {
         self.iter().map(|interaction| interaction.steepest(radius)).sum()
     }
 
-    /// See [`Interaction::lower_bounds`].
+    /// See [`ContactMemory::lower_bounds`].
     pub fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[AdhesiveContact<D>], step: f64) -> Vec<ContactForce<D>> {
-        self.iter().flat_map(|interaction| interaction.lower_bounds(arrangement, memory, step)).collect()
+        self.memories().flat_map(|law| law.lower_bounds(arrangement, memory, step)).collect()
     }
 
-    /// See [`Interaction::remember`].
+    /// See [`ContactMemory::remember`].
     pub fn remember(
         &self,
         arrangement: &Arrangement<D>,
@@ -122,27 +128,27 @@ impl<const D: usize> Interactions<D> {
         forces: &[ContactForce<D>],
         step: f64,
     ) -> Vec<AdhesiveContact<D>> {
-        self.iter().flat_map(|interaction| interaction.remember(arrangement, memory, forces, step)).collect()
+        self.memories().flat_map(|law| law.remember(arrangement, memory, forces, step)).collect()
     }
 
-    /// See [`Interaction::springs`].
+    /// The springs of all bodies, see [`Ties::springs`].
     pub fn springs(&self, arrangement: &Arrangement<D>) -> Vec<Spring<D>> {
-        self.iter().flat_map(|interaction| interaction.springs(arrangement)).collect()
+        self.springs_of(&(0..usize::MAX), &|body: usize| arrangement.balls[body].center)
     }
 
-    /// See [`Interaction::springs_of`].
-    pub fn springs_of(&self, chain: &Range<usize>, center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
-        self.iter().flat_map(|interaction| interaction.springs_of(chain, center)).collect()
+    /// See [`Ties::springs`].
+    pub fn springs_of(&self, bodies: &Range<usize>, center: &dyn Fn(usize) -> SVector<f64, D>) -> Vec<Spring<D>> {
+        self.ties().flat_map(|ties| ties.springs(bodies, center)).collect()
     }
 
-    /// See [`Interaction::chains`].
+    /// See [`Groups::chains`].
     pub fn chains(&self) -> Vec<Range<usize>> {
-        self.iter().flat_map(Interaction::chains).collect()
+        self.groups().flat_map(|groups| groups.chains).cloned().collect()
     }
 
-    /// See [`Interaction::bonds`].
+    /// See [`Ties::bonds`].
     pub fn bonds(&self) -> Vec<[usize; 2]> {
-        self.iter().flat_map(Interaction::bonds).collect()
+        self.ties().flat_map(Ties::bonds).collect()
     }
 
     /// Of each body up to the last that is tied the number of its chain, cell or cluster, if it has one: chains and cells are counted first.
@@ -154,64 +160,76 @@ impl<const D: usize> Interactions<D> {
         group_of
     }
 
-    /// See [`Interaction::welds`].
+    /// See [`Ties::welds`].
     pub fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
-        self.iter().flat_map(|interaction| interaction.welds(centers)).collect()
+        self.ties().flat_map(|ties| ties.welds(centers)).collect()
     }
 
-    /// See [`Interaction::clusters`].
+    /// See [`Groups::clusters`].
     pub fn clusters(&self) -> &[Cluster<D>] {
-        self.iter().map(Interaction::clusters).find(|clusters| !clusters.is_empty()).unwrap_or(&[])
+        self.groups().map(|groups| groups.clusters).find(|clusters| !clusters.is_empty()).unwrap_or(&[])
     }
 
-    /// See [`Interaction::cluster_of`].
+    /// See [`Groups::cluster_of`].
     pub fn cluster_of(&self) -> &[usize] {
-        self.iter().map(Interaction::cluster_of).find(|of| !of.is_empty()).unwrap_or(&[])
+        self.groups().map(|groups| groups.cluster_of).find(|of| !of.is_empty()).unwrap_or(&[])
     }
 
-    /// Whether a film is between balls that move as one; one of them and an image of the other do not.
-    fn within_cluster(&self, film: &LubricationPair<D>) -> bool {
-        let Opposite::Body(other, _) = film.other else { return false };
-        let number = self.cluster_of().get(film.body).copied().unwrap_or(0);
-        let cluster = number.checked_sub(1).map(|number| &self.clusters()[number]);
-        cluster
-            .and_then(|cluster| cluster.distance([film.body, other]))
-            .is_some_and(|distance| (film.separation.norm() - distance).abs() < ROUNDING * distance)
-    }
-
-    /// Whether a contact is between balls of different clusters, or with an image.
-    fn between_clusters(&self, contact: &Contact<D>, arrangement: &Arrangement<D>) -> bool {
-        !contact.within_cluster(self.cluster_of(), |place| arrangement.number(place))
-    }
-
-    /// See [`Interaction::conserved`].
+    /// See [`Groups::conserved`].
     pub fn conserved(&self) -> Vec<Conserved> {
-        self.iter().flat_map(Interaction::conserved).collect()
+        self.groups().flat_map(|groups| groups.conserved).cloned().collect()
     }
 
-    /// See [`Interaction::rows`].
+    /// See [`PairResistance::rows`]; none between balls that move as one.
     pub fn rows(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
         let mut rows = self
-            .iter()
-            .map(|interaction| interaction.rows(neighbourhood, layout))
+            .resistances()
+            .map(|resistance| resistance.rows(neighbourhood, layout))
             .fold(LubricationPairs::default(), LubricationPairs::with);
-        if !self.cluster_of().is_empty() {
-            rows.films.retain(|film| !self.within_cluster(film));
+        let (cluster_of, clusters) = (self.cluster_of(), self.clusters());
+        if !cluster_of.is_empty() {
+            rows.films.retain(|film| !within_cluster(film, cluster_of, clusters));
         }
         rows
     }
 
-    /// See [`Interaction::resolved_at_walls`].
+    /// See [`PairResistance::resolved_at_walls`].
     pub fn resolved_at_walls(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        self.iter()
-            .map(|interaction| interaction.resolved_at_walls(neighbourhood, layout))
+        self.resistances()
+            .map(|resistance| resistance.resolved_at_walls(neighbourhood, layout))
             .fold(LubricationPairs::default(), LubricationPairs::with)
     }
 
-    /// See [`Interaction::approach_resistance`].
+    /// See [`PairResistance::approach`].
     pub fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
-        self.iter().map(|interaction| interaction.approach_resistance(contact, of)).sum()
+        self.resistances().map(|resistance| resistance.approach(contact, of)).sum()
     }
+
+    fn memories(&self) -> impl Iterator<Item = &dyn ContactMemory<D>> {
+        self.iter().filter_map(|interaction| interaction.contact().memory)
+    }
+
+    fn ties(&self) -> impl Iterator<Item = &dyn Ties<D>> {
+        self.iter().filter_map(Interaction::ties)
+    }
+
+    fn groups(&self) -> impl Iterator<Item = Groups<'_, D>> {
+        self.ties().map(Ties::groups)
+    }
+
+    fn resistances(&self) -> impl Iterator<Item = &dyn PairResistance<D>> {
+        self.iter().filter_map(Interaction::resistance)
+    }
+}
+
+/// Whether a film is between balls that move as one; one of them and an image of the other do not.
+fn within_cluster<const D: usize>(film: &LubricationPair<D>, cluster_of: &[usize], clusters: &[Cluster<D>]) -> bool {
+    let Opposite::Body(other, _) = film.other else { return false };
+    let number = cluster_of.get(film.body).copied().unwrap_or(0);
+    let cluster = number.checked_sub(1).map(|number| &clusters[number]);
+    cluster
+        .and_then(|cluster| cluster.distance([film.body, other]))
+        .is_some_and(|distance| (film.separation.norm() - distance).abs() < ROUNDING * distance)
 }
 
 impl<const D: usize> fmt::Debug for Interactions<D> {

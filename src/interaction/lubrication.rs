@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Interaction;
+use super::{Interaction, PairResistance};
 use crate::{
     constraint::{
         MultiplierLayout, Neighbourhood,
@@ -44,19 +44,21 @@ impl<const D: usize> Interaction<D> for Lubrication {
         )
     }
 
-    fn resists(&self) -> bool {
-        true
+    fn resistance(&self) -> Option<&dyn PairResistance<D>> {
+        Some(self)
     }
+}
 
+impl<const D: usize> PairResistance<D> for Lubrication {
     fn rows(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
         films(neighbourhood, layout, &self.tables, self.roughness)
     }
 
-    fn resolved_at_walls(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
-        resolved_at_walls(neighbourhood, layout, &self.tables)
+    fn approach(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
+        approach::<D>(&self.tables, (of(contact.body), contact.other().map(of)), contact.gap, self.roughness).unwrap_or(0.0)
     }
 
-    fn approach_resistance(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
-        approach::<D>(&self.tables, (of(contact.body), contact.other().map(of)), contact.gap, self.roughness).unwrap_or(0.0)
+    fn resolved_at_walls(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {
+        resolved_at_walls(neighbourhood, layout, &self.tables)
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! with `r` the range. The force and its slope are continuous; the slope is steepest, `2 touch / r`, from touch on.
 
-use super::{Arrangement, Interaction, Touch};
+use super::{Arrangement, ContactLaw, Forces, Interaction, Touch};
 use crate::contact::{Contact, ContactForce};
 
 /// Overlap, in radii, at which it is too soft.
@@ -39,8 +39,8 @@ impl<const D: usize> Interaction<D> for Repulsion {
         format!("repulsion of force {:.3e} at touch within {} radii", self.touch, self.range)
     }
 
-    fn touch(&self) -> Option<Touch> {
-        Some(Touch::Soft { overlap: SOFT_OVERLAP, remedy: "raise contact.stiffness or contact.range" })
+    fn contact(&self) -> ContactLaw<'_, D> {
+        Touch::Soft { overlap: SOFT_OVERLAP, remedy: "raise contact.stiffness or contact.range" }.into()
     }
 
     fn steepest(&self, radius: f64) -> f64 {
@@ -51,13 +51,13 @@ impl<const D: usize> Interaction<D> for Repulsion {
         self.range * largest_radius
     }
 
-    fn contact_forces(&self, arrangement: &Arrangement<D>) -> Vec<ContactForce<D>> {
+    fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
         let balls = arrangement.balls;
         let reach = Interaction::<D>::reach(self, balls.iter().map(|ball| ball.radius).fold(0.0, f64::max));
         let force = |contact: Contact<D>| ContactForce { contact, force: self.force(contact.gap, contact.smaller_radius(balls)) };
-        let mut forces: Vec<_> = arrangement.near(reach).into_iter().map(force).collect();
-        forces.retain(|force| force.force > 0.0);
-        forces
+        let mut contacts: Vec<_> = arrangement.near(reach).into_iter().map(force).collect();
+        contacts.retain(|force| force.force > 0.0);
+        Forces { contacts, ..Forces::default() }
     }
 }
 

@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Cluster, Interaction};
+use super::{Cluster, Groups, Interaction, Ties};
 use crate::body::{RigidFunctional, Row, planes, skew};
 
 /// All clusters.
@@ -47,20 +47,18 @@ impl<const D: usize> Interaction<D> for Welds<D> {
         )
     }
 
+    fn ties(&self) -> Option<&dyn Ties<D>> {
+        Some(self)
+    }
+}
+
+impl<const D: usize> Ties<D> for Welds<D> {
+    fn groups(&self) -> Groups<'_, D> {
+        Groups { clusters: &self.clusters, cluster_of: &self.cluster_of, turns: true, ..Groups::default() }
+    }
+
     fn welds(&self, centers: &[SVector<f64, D>]) -> Vec<Row<D>> {
         self.clusters.iter().flat_map(|cluster| cluster.pairs().flat_map(|pair| rows(pair, cluster.radius, centers))).collect()
-    }
-
-    fn turns(&self) -> bool {
-        true
-    }
-
-    fn clusters(&self) -> &[Cluster<D>] {
-        &self.clusters
-    }
-
-    fn cluster_of(&self) -> &[usize] {
-        &self.cluster_of
     }
 
     fn bonds(&self) -> Vec<[usize; 2]> {

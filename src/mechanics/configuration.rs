@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use super::setup::Setup;
 use crate::{body::Row, interaction::Wrench};
 
 /// Where the bodies of a suspension are, and what is known of that instant.
@@ -21,4 +22,12 @@ pub struct Configuration<'a, const D: usize> {
     pub pushes: &'a [Wrench<D>],
     /// Relative residual at which the solve ends.
     pub tolerance: f64,
+}
+
+impl<'a, const D: usize> Configuration<'a, D> {
+    /// That in which bodies are at these centres and none touches, in the box of a setup as it is.
+    pub fn at_rest(setup: &Setup<D>, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Self {
+        let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
+        Configuration { centers, time, contacts: &[], contact_guess: &[], bonds, pushes: &[], tolerance: setup.tolerance.at_an_instant() }
+    }
 }

@@ -25,6 +25,8 @@ pub struct HistoryView<'a, const D: usize> {
     pub levels: Vec<&'a Level<D>>,
     /// As in [`History`].
     pub mesh_levels: Vec<&'a MeshLevel>,
+    /// What any history of the solver consists of.
+    pub shape: HistoryShape,
 }
 
 /// What histories of a solver consist of.

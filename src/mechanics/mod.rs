@@ -2,11 +2,13 @@
 
 mod configuration;
 mod cost;
+mod evolution;
 pub(crate) mod fitted;
 mod flow_solver;
 mod history;
 mod mesh_level;
 pub(crate) mod placement;
+mod resistance;
 pub(crate) mod room;
 mod scalar;
 mod setup;
@@ -19,10 +21,12 @@ mod work;
 
 pub use configuration::Configuration;
 pub use cost::{Cost, ResidualMonitor};
+pub use evolution::{Evolution, EvolutionOnGrid};
 pub use fitted::{FittedFlow, FittedInclusions};
 pub use flow_solver::FlowSolver;
 pub use history::{History, HistoryShape, HistoryView};
 pub use mesh_level::MeshLevel;
+pub use resistance::Resistance;
 pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, SolvedScalar, Uzawa};
 pub use setup::{Inertia, Setup, SuspendedBody};
 pub use solution::{BodyState, Lubrication, Solution, WallForces};

@@ -136,6 +136,22 @@ impl<const D: usize> Setup<D> {
         self.inverse == InverseMethod::Transform || self.inner_tolerance().is_some()
     }
 
+    /// The word for what inverts the fluid.
+    pub fn inverse_word(&self) -> &'static str {
+        if self.constraint == ConstraintMethod::Fitted { "direct" } else { self.inverse.word() }
+    }
+
+    /// A faster inverse of the fluid that the box allows, if there is one.
+    pub fn faster_inverse(&self) -> Option<InverseMethod> {
+        let iterated = self.constraint != ConstraintMethod::Fitted && self.inertia.is_none() && !self.inverts_exactly();
+        Some(InverseMethod::fastest(&self.domain)).filter(|fastest| iterated && *fastest != self.inverse)
+    }
+
+    /// Centres of all bodies.
+    pub fn centers(&self) -> Vec<SVector<f64, D>> {
+        self.bodies.iter().map(|suspended| suspended.body.ball.center).collect()
+    }
+
     /// Whether each body moves as the fluid inside it does: if it is free and lighter than the fluid, in short steps.
     fn inside(&self, inertia: &Inertia<D>, shift: f64) -> Vec<bool> {
         let short = shift * self.spacing * self.spacing > LARGEST_SHIFT;

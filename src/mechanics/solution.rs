@@ -2,6 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::cost::Cost;
 use crate::{
     body::{Twist, components, skew},
     petsc::Vector,
@@ -114,4 +115,6 @@ pub struct Solution<const D: usize> {
     pub bond_forces: Vec<f64>,
     /// Films, if lubrication acts; what they do is in the states of the bodies.
     pub lubrication: Option<Lubrication<D>>,
+    /// What the solve cost.
+    pub cost: Cost,
 }

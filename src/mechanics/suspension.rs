@@ -2,29 +2,22 @@
 
 use std::{rc::Rc, time::Instant};
 
-use nalgebra::SVector;
-
 use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
+    evolution::Evolution,
     flow_solver::FlowSolver,
-    history::{HistoryShape, HistoryView},
+    history::{History, HistoryShape, HistoryView},
+    resistance::Resistance,
     setup::Setup,
     solution::Solution,
-    system::{
-        extrapolation::{ExtrapolationHistory, Snapshot},
-        network_resistance::network_resistance,
-    },
+    system::extrapolation::{RecentHistories, Snapshot},
 };
 use crate::{
-    body::Row,
     constraint::FlowMethod,
-    contact::{BathedResistance, Contact},
     error::{Error, Result},
-    flow::{InverseMethod, Stokes, StokesInverse},
-    geometry::Ball,
+    flow::{Stokes, StokesInverse},
     grid::Grid,
-    interaction::{Arrangement, PairForce, Wrench},
     mechanics::{
         Conditions,
         system::{
@@ -32,7 +25,7 @@ use crate::{
             readback, schur_complement::SchurComplement,
         },
     },
-    petsc::{Session, Stage, Vector, enter},
+    petsc::{Session, Stage, enter},
 };
 
 /// A suspension ready to be solved.
@@ -42,9 +35,7 @@ pub struct Suspension<const D: usize> {
     assembly: Option<Assembly<D>>,
     workspace: Option<KrylovWorkspace>,
     remembers: bool,
-    past: Option<ExtrapolationHistory<D>>,
-    /// What that was before the first solve at its time.
-    past_before: Option<ExtrapolationHistory<D>>,
+    recent: RecentHistories<D>,
     cost: Cost,
 }
 
@@ -70,7 +61,7 @@ impl<const D: usize> Suspension<D> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
         let (fixed, inverse) = FixedOperators::new(session, setup, inverse)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
-        Ok(Suspension { fixed, inverse, assembly: None, workspace: None, remembers: false, past: None, past_before: None, cost })
+        Ok(Suspension { fixed, inverse, assembly: None, workspace: None, remembers: false, recent: RecentHistories::default(), cost })
     }
 
     /// As [`new`](Self::new), with a method that makes bodies rigid of one's own, which need not be known to scene files.
@@ -88,28 +79,24 @@ impl<const D: usize> Suspension<D> {
         if let Some(inverse) = self.fixed.slide(time, Setup::inverse_of)? {
             (self.inverse, self.assembly) = (inverse, None);
             if !self.fixed.condensed {
-                (self.past, self.past_before) = (None, None);
+                self.recent = RecentHistories::default();
             }
         }
         Ok(())
     }
 
-    fn initial_centers(&self) -> Vec<SVector<f64, D>> {
-        self.fixed.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect()
+    /// What the last solve cost.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
     }
 
-    /// The configuration in which bodies are there and none touches.
-    fn at_rest<'a>(&self, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Configuration<'a, D> {
-        let time = self.fixed.setup.domain.slide().map_or(0.0, |slide| slide.time);
-        Configuration {
-            centers,
-            time,
-            contacts: &[],
-            contact_guess: &[],
-            bonds,
-            pushes: &[],
-            tolerance: self.fixed.setup.tolerance.at_an_instant(),
-        }
+    /// See [`FlowSolver`]'s own `solve`.
+    ///
+    /// # Errors
+    /// [`Diverged`](crate::error::Error::Diverged) when the solve fails.
+    pub fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
+        let flow: &mut dyn FlowSolver<D> = self;
+        flow.solve(monitor)
     }
 
     /// Condition numbers of the system on the multipliers with the bodies where the setup has them; as dear as that many iterations
@@ -121,9 +108,9 @@ impl<const D: usize> Suspension<D> {
         if !self.fixed.condensed {
             return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
         }
-        let (centers, fixed) = (self.initial_centers(), &self.fixed);
+        let (centers, fixed) = (self.fixed.setup.centers(), &self.fixed);
         let welds = fixed.setup.interactions.welds(&centers);
-        let mut ready = AssembledSystem::new(fixed, None, None, None, &self.at_rest(&centers, &welds))?;
+        let mut ready = AssembledSystem::new(fixed, None, None, None, &Configuration::at_rest(&fixed.setup, &centers, &welds))?;
         let shape = ready.workspace.x.like()?;
         let (_, parts) = ready.parts(fixed, self.inverse.as_mut());
         Conditions::of(fixed.session.world(), &mut SchurComplement::new(parts), &shape)
@@ -139,81 +126,36 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         &self.fixed.setup
     }
 
-    fn cost(&self) -> &Cost {
-        &self.cost
-    }
-
-    fn prescribe(&mut self, time: f64) {
+    fn prepare(&mut self, time: f64, again: bool) -> Result<()> {
+        self.remembers = true;
+        self.recent.forget_from(if again { time.next_up() } else { time });
         self.fixed.setup.prescribe(time);
+        Ok(())
     }
 
-    fn inverse(&self) -> &'static str {
-        self.setup().inverse.word()
+    fn resistance(&self) -> Resistance<'_, D> {
+        Resistance::of_modes(&self.fixed, self.assembly.as_ref(), 1.0)
     }
 
-    fn faster(&self) -> Option<InverseMethod> {
-        let fastest = InverseMethod::fastest(&self.setup().domain);
-        (!self.fixed.condensed && fastest != self.setup().inverse).then_some(fastest)
+    fn evolution(&self) -> Option<&dyn Evolution<D>> {
+        None
     }
 
-    fn resistances(&self) -> Vec<f64> {
-        self.fixed.resistances()
+    fn history(&self, time: f64) -> HistoryView<'_, D> {
+        let shape = HistoryShape { fluid: !self.fixed.condensed, ..HistoryShape::default() };
+        HistoryView { past: self.recent.before(time), shape, ..HistoryView::default() }
     }
 
-    fn film_resistance(&self, contact: &Contact<D>) -> f64 {
-        self.fixed.film_resistance(contact)
-    }
-
-    fn network_resistance(&self) -> BathedResistance<D> {
-        network_resistance(&self.fixed, self.assembly.as_ref(), 1.0)
-    }
-
-    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
-        (self.remembers, self.past, self.past_before) = (true, past, None);
-    }
-
-    fn fluid_vector(&self) -> Result<Vector> {
-        self.fixed.stokes.vector()
-    }
-
-    fn abandon(&mut self, time: f64) {
-        if self.past.as_ref().is_some_and(|past| past.time == time) {
-            self.past = self.past_before.take();
-        }
-    }
-
-    fn history_before(&self, time: f64) -> HistoryView<'_, D> {
-        let past = self.past.as_ref().filter(|past| past.time < time).or(self.past_before.as_ref());
-        HistoryView { past, ..HistoryView::default() }
-    }
-
-    fn history_shape(&self) -> HistoryShape {
-        HistoryShape { fluid: !self.fixed.condensed, ..HistoryShape::default() }
-    }
-
-    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
-        self.past.as_ref()
-    }
-
-    fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
-        let (centers, weights) = (self.initial_centers(), self.resistances());
-        let setup = &self.fixed.setup;
-        let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
-        let viscosity = Some(setup.viscosity);
-        let arrangement =
-            Arrangement { domain: &setup.domain, numbers: None, balls: &balls, weights: &weights, viscosity, reach: f64::INFINITY };
-        let forces = setup.interactions.pair_forces(&arrangement);
-        let pushes = Wrench::on_bodies(balls.len(), [], &forces);
-        let welds = setup.welds_in_the_box(&centers);
-        let solution = self.solve_at(&Configuration { pushes: &pushes, ..self.at_rest(&centers, &welds) }, monitor)?;
-        Ok(Solution { pair_stress: PairForce::total_stress(&forces), ..solution })
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        self.recent = history.past.into();
+        Ok(())
     }
 
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let start = Instant::now();
         self.slide_to(configuration.time)?;
         let fixed = &self.fixed;
-        let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.past.as_ref(), configuration)?;
+        let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.recent.last(), configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
         let (report, mut found) = ready.solve(fixed, self.inverse.as_mut(), monitor)?;
@@ -223,11 +165,10 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let constraints = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
         if self.remembers && fixed.method.on_surfaces() {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
-            let (past, before) = ExtrapolationHistory::then(self.past.take(), last, guess, configuration.time);
-            (self.past, self.past_before) = (Some(past), before.or(self.past_before.take()));
+            self.recent.add(last, guess, configuration.time);
         }
         let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
-        Ok(solution)
+        Ok(Solution { cost: self.cost, ..solution })
     }
 }

@@ -151,7 +151,7 @@ impl<const D: usize> ContactStep<'_, D> {
     fn mobile_part(&self, contact: &Contact<D>) -> f64 {
         let weights = self.arrangement.weights;
         let mobility = 1.0 / weights[contact.body] + contact.other().map_or(0.0, |other| 1.0 / weights[other]);
-        1.0 / (1.0 + self.flow.film_resistance(contact) / self.flow.of_impulse() * mobility)
+        1.0 / (1.0 + self.flow.resistance().of_film(contact) * mobility)
     }
 
     /// Force that moves the more mobile end of a contact at unit velocity.

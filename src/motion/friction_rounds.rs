@@ -89,7 +89,7 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
         forces: &[SVector<f64, D>],
         step_size: StepSize,
     ) -> Agreed<D> {
-        let (mut contacts, mut tangential) = (instant.known.clone(), Vec::new());
+        let (mut contacts, mut tangential) = (instant.forces.contacts.clone(), Vec::new());
         let mut stress = SMatrix::zeros();
         for (contact, force) in self.contacts.contacts.iter().zip(forces) {
             let normal = force.dot(&contact.normal);
@@ -154,7 +154,7 @@ impl<const D: usize> QuasiStatic<D> {
         let balls = &placed.touching;
         let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
-        let network = self.suspension.network_resistance();
+        let network = self.suspension.resistance().of_network();
         let bathed = Bathed { domain: &placed.domain, balls, resistance: &network, coefficient: friction.coefficient, step };
         let mut rounds = Rounds::<D, W>::new(bathed, self.may_touch(placed, &twists, step, &forces), &forces);
         let mut forces = forces_at(&rounds.contacts, &forces);
@@ -200,7 +200,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (placed, step) = (&instant.placed, instant.placed.state.last_step);
         let balls = &placed.touching;
         let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
-        let network = self.suspension.network_resistance();
+        let network = self.suspension.resistance().of_network();
         let coefficient = friction_of(instant).coefficient;
         let bathed = Bathed { domain: &placed.domain, balls, resistance: &network, coefficient, step };
         let mut identities: Vec<Identity<D>> = memory.keys().copied().collect();

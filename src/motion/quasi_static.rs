@@ -22,7 +22,7 @@ use super::{
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
     step_control::{StepControl, StepLimits, StepSize},
-    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper},
+    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
     travel::{accurate_step, time_of_travel},
 };
@@ -31,9 +31,9 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, KktReport, Partner, Projection},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
-    interaction::{Arrangement, Interactions, PairForce, Spring, Touch, Wrench},
+    interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{
-        Configuration, ContactHistory, ExtrapolationHistory, FlowSolver, GivenPlace, History, Moving, ResidualMonitor, Solution, State,
+        Configuration, ContactHistory, FlowSolver, History, Moving, ResidualMonitor, Solution, State,
         unsteady::{COURANT, LARGEST_COURANT, starts_at_once},
     },
     parallel::Peers,
@@ -79,8 +79,6 @@ pub struct QuasiStatic<const D: usize> {
     /// The same for the mean force of contacts over a step.
     contact_weights: Vec<f64>,
     pub(super) stop: StopRequest,
-    /// What the solves of a state started from, unless it holds a fluid.
-    before: Option<ExtrapolationHistory<D>>,
 }
 
 /// Velocities on which flow and contacts agree.
@@ -106,9 +104,8 @@ pub(super) struct KnownInstant<'a, const D: usize> {
     pub(super) placed: Placed<'a, D>,
     centers: Vec<SVector<f64, D>>,
     pub(super) interactions: Interactions<D>,
-    /// Contacts with forces that follow from where bodies are.
-    pub(super) known: Vec<ContactForce<D>>,
-    pair_forces: Vec<PairForce<D>>,
+    /// Forces that follow from where bodies are.
+    pub(super) forces: Forces<D>,
     springs: Vec<Spring<D>>,
     /// Longest step that is to be tried; nothing in the middle of a step.
     pub(super) tried: Option<f64>,
@@ -117,7 +114,7 @@ pub(super) struct KnownInstant<'a, const D: usize> {
 impl<const D: usize> KnownInstant<'_, D> {
     /// Forces and torques on bodies that follow from where they are.
     pub(super) fn pushes(&self) -> Vec<Wrench<D>> {
-        Wrench::on_bodies(self.centers.len(), &self.known, &self.pair_forces)
+        self.forces.on_bodies(self.centers.len(), &[])
     }
 }
 
@@ -133,12 +130,16 @@ pub(super) struct FlowRows<'a, const D: usize> {
 
 impl<const D: usize> QuasiStatic<D> {
     /// Bodies of a suspension that move with a step control.
-    pub fn new(session: &Session, mut suspension: Box<dyn FlowSolver<D>>, step_control: StepControl) -> QuasiStatic<D> {
-        suspension.remember(None);
-        let weights = suspension.resistances();
+    pub fn new(session: &Session, suspension: Box<dyn FlowSolver<D>>, step_control: StepControl) -> QuasiStatic<D> {
+        let weights = suspension.resistance().of_bodies();
         let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
         let (session, stop, contact_weights) = (session.clone(), StopRequest::default(), weights.clone());
-        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop, before: None }
+        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop }
+    }
+
+    /// Whether the fluid has inertia: a solve is then a step from the one before.
+    fn evolves(&self) -> bool {
+        self.suspension.evolution().is_some()
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
@@ -154,8 +155,8 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// That of balls in the place of bodies.
     pub(super) fn arrangement_of<'a>(&'a self, placed: &'a Placed<'a, D>, balls: &'a [Ball<D>]) -> Arrangement<'a, D> {
-        let viscosity = Some(self.suspension.setup().viscosity);
-        Arrangement { domain: &placed.domain, numbers: None, balls, weights: &self.weights, viscosity, reach: f64::INFINITY }
+        let (viscosity, time) = (Some(self.suspension.setup().viscosity), placed.state.time);
+        Arrangement { domain: &placed.domain, numbers: None, balls, weights: &self.weights, viscosity, reach: f64::INFINITY, time }
     }
 
     /// Contacts over a step from where bodies are.
@@ -185,7 +186,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// The time in which the first body moves by its radius; with inertia in the fluid, whose levels stay where they are, relative to what goes along with
     /// images alone.
     pub(super) fn time_of_travel(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
-        if !self.suspension.evolves() {
+        if !self.evolves() {
             return time_of_travel(&placed.domain, &placed.balls, &velocities(twists));
         }
         self.time_in_box(placed.state, twists)
@@ -199,7 +200,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The longest step in which free bodies err by what they may.
     fn accurate_step(&self, state: &State<D>, twists: &[Twist<D>]) -> f64 {
-        if state.last_step == 0.0 || self.suspension.evolves() {
+        if state.last_step == 0.0 || self.evolves() {
             return f64::INFINITY;
         }
         let bodies = self.suspension.setup().bodies.iter().zip(&state.bodies).zip(twists).zip(&self.radii);
@@ -215,7 +216,8 @@ impl<const D: usize> QuasiStatic<D> {
         let first = if state.last_step == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
         let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(state, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
-        let stable = self.suspension.longest_step(pushes)?.min(given).min(moved);
+        let stable = self.suspension.evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(pushes))?;
+        let stable = stable.min(given).min(moved);
         // a fixed step that is half taken was not split
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
         let last_step = if whole { 0.0 } else { state.last_step };
@@ -235,20 +237,20 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// What is known of an instant.
     fn instant<'a>(&mut self, state: &'a State<D>, tried: Option<f64>) -> Result<KnownInstant<'a, D>> {
-        self.suspension.prescribe(state.time);
-        if self.suspension.evolves() {
-            self.suspension.prepare(state.time)?;
-            self.weights = self.suspension.resistances();
-            let of_impulse = self.suspension.of_impulse();
+        // where a longer step led nowhere, solves go on from those that tried it
+        self.suspension.prepare(state.time, tried.is_none_or(f64::is_finite))?;
+        if self.evolves() {
+            let resistance = self.suspension.resistance();
+            let of_impulse = resistance.of_impulse;
+            self.weights = resistance.of_bodies();
             self.contact_weights = self.weights.iter().map(|weight| weight / of_impulse).collect();
         }
         let (placed, centers) = (self.placed(state), state.centers());
         let interactions = self.suspension.setup().interactions.clone();
         self.refuse_overlap(&placed, interactions.touch())?;
         let arrangement = self.arrangement(&placed);
-        let (known, pair_forces) = (interactions.contact_forces(&arrangement), interactions.pair_forces(&arrangement));
-        let springs = interactions.springs(&arrangement);
-        Ok(KnownInstant { placed, centers, interactions, known, pair_forces, springs, tried })
+        let (forces, springs) = (interactions.forces(&arrangement), interactions.springs(&arrangement));
+        Ok(KnownInstant { placed, centers, interactions, forces, springs, tried })
     }
 
     /// The tolerance of the solves of an instant.
@@ -276,8 +278,8 @@ impl<const D: usize> QuasiStatic<D> {
             tolerance: held.tolerance,
         };
         let mut solution = self.suspension.solve_at(&configuration, monitor)?;
-        solution.pair_stress = PairForce::total_stress(&instant.pair_forces);
-        effort.add_solve(self.suspension.cost());
+        solution.pair_stress = PairForce::total_stress(&instant.forces.pairs);
+        effort.add_solve(&solution.cost);
         for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
             // the solver meets it to its tolerance
             found.twist = suspended.body.given_motion().unwrap_or(found.twist);
@@ -288,7 +290,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// Flow and frictionless contacts in turn.
     fn agree_without_friction(&mut self, instant: &KnownInstant<D>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
-        let KnownInstant { placed, interactions, known, pair_forces, springs, .. } = instant;
+        let KnownInstant { placed, interactions, forces, springs, .. } = instant;
         let (state, touch, tightest) = (placed.state, interactions.touch(), self.suspension.setup().tolerance.at_an_instant());
         let mut tolerance = self.tolerance_of(instant);
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
@@ -302,7 +304,7 @@ impl<const D: usize> QuasiStatic<D> {
             let tied = kept_apart(springs, &self.weights, step);
             pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
             let loose = self.contact_step(placed, step).loose(&pressed);
-            let pushes = Wrench::on_bodies(instant.centers.len(), known.iter().chain(&loose), pair_forces);
+            let pushes = forces.on_bodies(instant.centers.len(), &loose);
             let (rows, guess): (Vec<Row<D>>, Vec<f64>) = pressed.iter().map(|pressed| (pressed.contact.row(step), pressed.force)).unzip();
             let held = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance };
             let (mut solution, mut twists) = self.flow_with(instant, &held, effort, monitor)?;
@@ -318,7 +320,7 @@ impl<const D: usize> QuasiStatic<D> {
                 continue;
             }
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: known.clone(), rubbing: Rubbing::default(), step_size });
+                return Ok(Agreed { solution, twists, contacts: forces.contacts.clone(), rubbing: Rubbing::default(), step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
@@ -336,7 +338,7 @@ impl<const D: usize> QuasiStatic<D> {
                 for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
-                let contacts = [&known[..], &projection.forces].concat();
+                let contacts = [&forces.contacts[..], &projection.forces].concat();
                 return Ok(Agreed { solution, twists, contacts, rubbing: Rubbing::default(), step_size });
             }
             let projected = contacts.closed(projection);
@@ -425,7 +427,8 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// What flow and bodies passed in the last step over what they may pass in an automatic one; 0 without inertia.
     fn passed(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<f64> {
-        let Some(cells) = self.suspension.courant(state.last_step)? else { return Ok(0.0) };
+        let on_grid = self.suspension.evolution_on_grid();
+        let Some(cells) = on_grid.map_or(Ok(None), |flow| flow.courant(state.last_step))? else { return Ok(0.0) };
         let period = self.step_control.shift_period.map(|period| period.0);
         let shortest = period.is_some_and(|period| state.last_step < period * 1.5);
         if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
@@ -491,7 +494,7 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
-            _ if self.suspension.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
+            _ if self.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
             Scheme::TwoStep if state.last_step > 0.0 => {
                 Ok(two_step(state, observation, self.looks_back(state, length), &self.suspension.setup().interactions))
             }
@@ -503,7 +506,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// for the first one, which knew the motions of the start only: from there they go along straight lines, or have jumped at once.
     fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
         let ratio = length / state.last_step;
-        match self.suspension.evolves() && state.steps == 1 {
+        match self.evolves() && state.steps == 1 {
             true if starts_at_once(self.suspension.setup()) => 1.0 / ratio,
             true => 0.5 * (ratio + 1.0 / ratio),
             false => 0.5 * ratio,
@@ -530,23 +533,21 @@ impl<const D: usize> QuasiStatic<D> {
 }
 
 impl<const D: usize> Stepper<D> for QuasiStatic<D> {
-    fn radii(&self) -> &[f64] {
-        &self.radii
+    fn view(&self) -> StepperView<'_, D> {
+        let flow = self.suspension.as_ref();
+        StepperView { radii: &self.radii, interactions: &flow.setup().interactions, twists_now: None, flow: Some(flow) }
     }
 
-    fn interactions(&self) -> &Interactions<D> {
-        &self.suspension.setup().interactions
+    fn free(&self) -> Vec<bool> {
+        self.suspension.setup().bodies.iter().map(|own| own.body.free()).collect()
     }
 
-    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
-        self.suspension.setup().given_places(time)
+    fn settle(&mut self, state: &mut State<D>, _domain: &Domain<D>) {
+        state.place_given(self.suspension.setup().given_places(state.time).into_iter());
     }
 
     fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
-        if longest.is_infinite() {
-            self.before = self.suspension.past().and_then(ExtrapolationHistory::without_fluid);
-        }
         let Agreed { mut solution, twists, contacts, rubbing, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
         let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
@@ -554,7 +555,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, rubbing, solution: Some(solution), step_size, passed, effort })
+        Ok(Observation { twists, contacts, rubbing, solution: Some(solution), step_size, passed, kinetic_energy: None, effort })
     }
 
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
@@ -599,23 +600,8 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         })
     }
 
-    fn withdraw(&mut self) {
-        self.suspension.withdraw();
-    }
-
-    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
-        Some(self.suspension.as_ref())
-    }
-
     fn heed(&mut self, stop: StopRequest) {
         self.stop = stop;
-    }
-
-    fn abandon(&mut self, state: &State<D>) {
-        self.suspension.abandon(state.time);
-        if !self.suspension.history_shape().fluid {
-            self.suspension.remember(self.before.take());
-        }
     }
 
     fn restore(&mut self, history: History<D>) -> Result<()> {

@@ -9,7 +9,7 @@ use super::{
     quasi_static::QuasiStatic,
     shift_period::ShiftPeriod,
     step_control::StepControl,
-    stepper::{Effort, Observation, StepOutcome, Stepper},
+    stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
 use crate::{
@@ -19,7 +19,10 @@ use crate::{
     geometry::{Ball, Domain},
     interaction::Interactions,
     linalg::ROUNDING,
-    mechanics::{ContactHistory, FlowSolver, History, Moving, ResidualMonitor, Share, State, SuspendedBody, unsteady::LARGEST_COURANT},
+    mechanics::{
+        ContactHistory, EvolutionOnGrid, FlowSolver, History, Moving, ResidualMonitor, Share, State, SuspendedBody,
+        unsteady::LARGEST_COURANT,
+    },
     petsc::Session,
     scene::{Step, TimeSection},
 };
@@ -79,7 +82,7 @@ impl<const D: usize> Simulation<D> {
         let bodies = &setup.bodies;
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = longest_step_in_flow(setup);
-        let step_control = StepControl { time, shift_period, longest, by_twos: suspension.evolves() };
+        let step_control = StepControl { time, shift_period, longest, by_twos: suspension.evolution().is_some() };
         let at_rest = |suspended: &SuspendedBody<D>| (suspended.body.ball.center, Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
@@ -128,13 +131,23 @@ impl<const D: usize> Simulation<D> {
     pub fn restore(&mut self, state: State<D>, history: History<D>) -> Result<()> {
         (self.state, self.ahead) = (own_part(&self.state.share, state), None);
         self.slide();
-        self.stepper.migrate(&mut self.state, &self.domain);
+        self.stepper.settle(&mut self.state, &self.domain);
         self.stepper.restore(history)
+    }
+
+    /// The session in which it runs.
+    pub fn session(&self) -> &Session {
+        &self.session
     }
 
     /// The suspension that is solved, if there is a fluid.
     pub fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
-        self.stepper.suspension()
+        self.stepper.view().flow
+    }
+
+    /// The last solution of a flow with inertia on a grid, if there is one.
+    fn evolution_on_grid(&self) -> Option<&dyn EvolutionOnGrid<D>> {
+        self.suspension()?.evolution_on_grid()
     }
 
     /// The box as it is now.
@@ -144,7 +157,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Radii of the bodies of this rank.
     pub fn radii(&self) -> &[f64] {
-        self.stepper.radii()
+        self.stepper.view().radii
     }
 
     /// Whether forces decide the motion of each body of this rank.
@@ -152,14 +165,9 @@ impl<const D: usize> Simulation<D> {
         self.stepper.free()
     }
 
-    /// Kinetic energy of the bodies of this rank, where they alone have inertia.
-    pub fn kinetic_energy(&self) -> Option<f64> {
-        self.stepper.kinetic_energy()
-    }
-
     /// What bodies do to each other.
     pub fn interactions(&self) -> &Interactions<D> {
-        self.stepper.interactions()
+        self.stepper.view().interactions
     }
 
     /// All bodies as balls, on every rank; as [`whole_state`](Self::whole_state).
@@ -171,7 +179,7 @@ impl<const D: usize> Simulation<D> {
     /// The bodies of this rank with their motions at the time of the state, once it was evaluated.
     pub fn moving(&self) -> Vec<Moving<D>> {
         let mut bodies = self.state.bodies.clone();
-        let now = self.stepper.twists_now().unwrap_or_default();
+        let now = self.stepper.view().twists_now.unwrap_or_default();
         bodies.iter_mut().zip(now).for_each(|(body, twist)| body.twist = *twist);
         bodies
     }
@@ -214,7 +222,7 @@ impl<const D: usize> Simulation<D> {
         if end >= asked * (1.0 - ROUNDING) {
             return None;
         }
-        let multiple = if flow.evolves() { 1.0 } else { ShiftPeriod::multiple(self.step_control.time.scheme, 0.0) };
+        let multiple = if flow.evolution().is_some() { 1.0 } else { ShiftPeriod::multiple(self.step_control.time.scheme, 0.0) };
         let (cells, size) = (flow.grid().cells()[0], self.domain.size[0]);
         let remedy = period.cells_that_fit(cells, asked, multiple).map_or_else(
             || "choose an end that is a whole number of these".to_owned(),
@@ -260,8 +268,8 @@ impl<const D: usize> Simulation<D> {
     /// A solver does not converge, contacts cannot be kept, bodies of given motion meet, a body leaves the box, or somebody asks for a stop. The
     /// state is then what it was, or, where the look ahead fails or is stopped, that after the step.
     pub fn step(&mut self, observation: &Observation<D>, monitor: ResidualMonitor) -> Result<StepReport> {
-        let suspension = self.stepper.suspension().filter(|_| self.step_control.time.step == Step::Auto);
-        if suspension.map_or(Ok(None), |suspension| suspension.courant(0.0))?.is_none() {
+        let flow = self.evolution_on_grid().filter(|_| self.step_control.time.step == Step::Auto);
+        if flow.is_none_or(|flow| flow.levels().is_empty()) {
             return self.step_by(observation, observation.step_size.length, monitor);
         }
         self.step_and_look(observation, monitor)
@@ -302,7 +310,6 @@ impl<const D: usize> Simulation<D> {
                 Err(error) => return Err(error),
             };
             let Some(shorter) = shorter else { return Ok(StepReport { effort: wasted + report.effort, ..report }) };
-            self.stepper.withdraw();
             (self.state, length) = (start.clone(), shorter);
             self.slide();
         }
@@ -314,7 +321,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Whether the flow can be followed that came of a step of this length.
     fn followed(&self, length: f64) -> Result<bool> {
-        let cells = self.stepper.suspension().map_or(Ok(None), |suspension| suspension.courant(length))?;
+        let cells = self.evolution_on_grid().map_or(Ok(None), |flow| flow.courant(length))?;
         Ok(cells.is_none_or(|cells| cells <= LARGEST_COURANT))
     }
 
@@ -330,11 +337,9 @@ impl<const D: usize> Simulation<D> {
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         (self.state.stuck, self.state.tangential) = (travel.stuck, travel.tangential);
         self.state.advance(&travel.moves, travel.step);
-        // from the time: sums of steps drift away
-        let given = self.stepper.given_places(self.state.time);
-        self.state.place_given(given.into_iter());
         self.slide();
-        self.stepper.migrate(&mut self.state, &self.domain);
+        // bodies of given motion by the time: sums of steps drift away
+        self.stepper.settle(&mut self.state, &self.domain);
         // whole cells of images that slide may be rounded
         self.cut_short = observation.step_size.cut_short() && travel.step >= observation.step_size.length * (1.0 - ROUNDING);
         Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort, halvings: self.halvings })
@@ -357,9 +362,6 @@ impl<const D: usize> Simulation<D> {
 
     /// The length to try after one, or shorter than that, that ended in an error.
     fn half_of(&mut self, error: Error, tried: f64) -> Result<f64> {
-        if matches!(error, Error::Stopped { .. }) {
-            self.stepper.abandon(&self.state);
-        }
         let Some(step) = error.step_too_long().map(|step| step.min(tried)) else { return Err(error.at_time(self.state.time)) };
         let half = self.step_control.half(step, self.state.last_step).filter(|_| self.halvings < MOST_HALVINGS);
         match half {
@@ -374,12 +376,12 @@ impl<const D: usize> Simulation<D> {
 
     /// Smallest gap after a step of bodies of given motion that move past each other, where bodies notice that they meet. Collective.
     fn smallest_given_gap(&self, moves: &[Twist<D>], step: f64) -> Result<f64> {
-        let interactions = self.stepper.interactions();
-        if interactions.touch().is_none() && self.stepper.suspension().is_none() {
+        let StepperView { radii, interactions, flow, .. } = self.stepper.view();
+        if interactions.touch().is_none() && flow.is_none() {
             return Ok(f64::INFINITY);
         }
         let (state, domain, free) = (&self.state, &self.domain, self.stepper.free());
-        let (radii, cluster_of) = (self.stepper.radii(), interactions.cluster_of());
+        let cluster_of = interactions.cluster_of();
         GivenStep { state, domain, radii, free: &free, cluster_of, moves, step }.smallest_gap(state.peers(self.session.world()))
     }
 

@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     interaction::Interactions,
-    mechanics::{Cost, FlowSolver, GivenPlace, History, ResidualMonitor, Solution, State},
+    mechanics::{Cost, FlowSolver, History, ResidualMonitor, Solution, State},
 };
 
 /// What happens at one instant, of the bodies that the state of this rank holds.
@@ -24,6 +24,8 @@ pub struct Observation<const D: usize> {
     pub step_size: StepSize,
     /// What flow and bodies passed in the step that led here, over what they may pass in an automatic one; 0 where that limits none.
     pub passed: f64,
+    /// Kinetic energy of the bodies of this rank, where they alone have inertia; those whose motion is given have none.
+    pub kinetic_energy: Option<f64>,
     /// What it took to find out.
     pub effort: Effort,
 }
@@ -72,6 +74,18 @@ pub struct StepOutcome<const D: usize> {
     pub effort: Effort,
 }
 
+/// What a stepper knows of the bodies that the state of this rank holds.
+pub struct StepperView<'a, const D: usize> {
+    /// Their radii.
+    pub radii: &'a [f64],
+    /// What bodies do to each other.
+    pub interactions: &'a Interactions<D>,
+    /// Their motions at the time of the state that was evaluated last, where those of the state are of another time.
+    pub twists_now: Option<&'a [Twist<D>]>,
+    /// What solves the flow, if there is a fluid.
+    pub flow: Option<&'a dyn FlowSolver<D>>,
+}
+
 /// What moves bodies. Every function is collective.
 pub trait Stepper<const D: usize> {
     /// What happens in a state, from which no step longer than `longest` is to be tried.
@@ -86,48 +100,17 @@ pub trait Stepper<const D: usize> {
     /// As [`evaluate`](Self::evaluate), or contacts cannot be kept.
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>>;
 
-    /// From now on long work heeds a request to stop.
-    fn heed(&mut self, _stop: StopRequest) {}
-
-    /// Forgets what it did since it was asked to evaluate a state, so that a checkpoint of that holds nothing of it.
-    fn abandon(&mut self, _state: &State<D>) {}
-
-    /// Forgets what happens in the state that was looked at last: another step is taken in place of the one that led to it.
-    fn withdraw(&mut self) {}
-
-    /// Radii of the bodies that the state of this rank holds.
-    fn radii(&self) -> &[f64];
+    /// What it knows of the bodies that the state of this rank holds.
+    fn view(&self) -> StepperView<'_, D>;
 
     /// Whether forces decide the motion of each body that the state of this rank holds.
-    fn free(&self) -> Vec<bool> {
-        self.suspension().map_or(Vec::new(), |suspension| suspension.setup().bodies.iter().map(|own| own.body.free()).collect())
-    }
+    fn free(&self) -> Vec<bool>;
 
-    /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
-    fn given_places(&self, _time: f64) -> Vec<(usize, GivenPlace<D>)> {
-        Vec::new()
-    }
+    /// Puts bodies of given motion where they are at the time of a state, and gives bodies to the ranks that own their places in the box of that time.
+    fn settle(&mut self, _state: &mut State<D>, _domain: &Domain<D>) {}
 
-    /// Motions at the time of the state that was evaluated last, where those of the state are of another time.
-    fn twists_now(&self) -> Option<&[Twist<D>]> {
-        None
-    }
-
-    /// Kinetic energy of the bodies of this rank in the state that was evaluated last, where they alone have inertia; those whose motion is given have none.
-    fn kinetic_energy(&self) -> Option<f64> {
-        None
-    }
-
-    /// What bodies do to each other.
-    fn interactions(&self) -> &Interactions<D>;
-
-    /// Gives bodies to the ranks that own the places where they are now, in a box of that time.
-    fn migrate(&mut self, _state: &mut State<D>, _domain: &Domain<D>) {}
-
-    /// The suspension that is solved, if there is a fluid.
-    fn suspension(&self) -> Option<&dyn FlowSolver<D>> {
-        None
-    }
+    /// From now on long work heeds a request to stop.
+    fn heed(&mut self, _stop: StopRequest) {}
 
     /// Goes on from what earlier solves of a fluid have left, if there is one.
     ///

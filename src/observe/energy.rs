@@ -44,8 +44,9 @@ impl EnergyRates {
         contacts: &[ContactForce<D>],
         viscosity: Option<Viscosity>,
     ) -> Result<Option<EnergyRates>> {
-        let (levels, setup) = (solver.levels(), solver.setup());
-        let (Some(now), Some(extended)) = (levels.first(), solver.extended_flow()?) else { return Ok(None) };
+        let Some(flow) = solver.evolution_on_grid() else { return Ok(None) };
+        let (levels, setup) = (flow.levels(), solver.setup());
+        let (Some(now), Some(extended)) = (levels.first(), flow.extended_flow()?) else { return Ok(None) };
         let ball = |(body, center): (usize, &_)| Ball { center: *center, ..setup.bodies[body].body.ball };
         let balls: Vec<Ball<D>> = now.centers.iter().enumerate().map(ball).collect();
         let by_shear = viscosity.map_or(0.0, |viscosity| viscosity_of_power(&viscosity) * setup.viscosity * viscosity.rate.powi(2));

@@ -30,14 +30,7 @@ pub fn picture<const D: usize>(
     let disturbance = velocities(suspension.grid(), &solution.fluid, &points)?;
     let total: Vec<SVector<f64, D>> =
         points.iter().zip(disturbance).map(|(point, velocity)| velocity + setup.drive.background(point)).collect();
-    let (quantity, coloured) = match colour {
-        Colour::Vorticity => {
-            let [across, up] = plane.axes;
-            let values = vorticity_at(suspension.grid(), &solution.fluid, &setup.drive, &points, (up, across))?;
-            (SpeedScale::name("vorticity \u{3c9}", scale.rate.1), values.into_iter().map(|value| value / scale.rate.0).collect())
-        }
-        _ => coloured_by_speed(scene, &points, &total),
-    };
+    let (quantity, coloured) = coloured(scene, suspension, solution, &plane, &total)?;
     let groups = groups(setup, colour);
     let (lines, largest) = force_lines(&cut_lines(&plane, contacts), |vector| plane.within(vector));
     let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.rate.abs() * time));
@@ -64,6 +57,23 @@ pub fn picture<const D: usize>(
         least_speed: scale.least * scale.unit,
         signed: colour == Colour::Vorticity,
     })
+}
+
+/// What the points of a plane are coloured by, where the flow has these velocities: its name, and its values in the unit of the picture.
+fn coloured<const D: usize>(
+    scene: &Scene,
+    suspension: &dyn FlowSolver<D>,
+    solution: &Solution<D>,
+    plane: &CutPlane<D>,
+    velocities: &[SVector<f64, D>],
+) -> Result<(String, Vec<f64>)> {
+    let points = plane.points();
+    if scene.output.colour != Colour::Vorticity {
+        return Ok(coloured_by_speed(scene, &points, velocities));
+    }
+    let ([across, up], scale) = (plane.axes, SpeedScale::of(scene));
+    let values = vorticity_at(suspension.grid(), &solution.fluid, &suspension.setup().drive, &points, (up, across))?;
+    Ok((SpeedScale::name("vorticity \u{3c9}", scale.rate.1), values.into_iter().map(|value| value / scale.rate.0).collect()))
 }
 
 /// The speed at points where the flow has these velocities, or that relative to a shear: its name, and its values in the unit of the picture.

@@ -279,7 +279,7 @@ impl Summary {
             no_viscosity: viscosity.is_none().then(|| why_no_viscosity(setup)).flatten(),
             viscosity: viscosity.map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
-            solver: Some(SolverSummary::new(suspension, world)),
+            solver: Some(SolverSummary::of_flow(setup, &solution.cost, world)),
             ..Summary::of_bodies(scene, bodies, setup.fraction(), world.size(), parallel)
         }
     }
@@ -457,9 +457,9 @@ impl ViscositySummary {
 }
 
 impl SolverSummary {
-    fn new<const D: usize>(suspension: &dyn FlowSolver<D>, world: &World) -> SolverSummary {
-        let faster = suspension.faster().map(InverseMethod::word);
-        SolverSummary { faster, ..SolverSummary::of_cost(suspension.inverse(), suspension.cost(), world) }
+    fn of_flow<const D: usize>(setup: &Setup<D>, cost: &Cost, world: &World) -> SolverSummary {
+        let faster = setup.faster_inverse().map(InverseMethod::word);
+        SolverSummary { faster, ..SolverSummary::of_cost(setup.inverse_word(), cost, world) }
     }
 
     /// What a solve with this inverse cost; collective.

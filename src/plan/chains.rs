@@ -145,7 +145,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        interaction::{Interaction, Spring},
+        interaction::{Spring, Ties},
         mechanics::placement,
         parallel::Peers,
     };
@@ -164,7 +164,7 @@ mod tests {
     }
 
     fn energy<const D: usize>(bonds: &Bonds, places: &[SVector<f64, D>]) -> f64 {
-        bonds.springs_of(&(0..usize::MAX), &|body: usize| places[body]).iter().map(Spring::energy).sum()
+        bonds.springs(&(0..usize::MAX), &|body: usize| places[body]).iter().map(Spring::energy).sum()
     }
 
     /// `bend/2` times the integral of the square of what the curvature differs from that of the circle by, along an ellipse with these half axes.

@@ -85,11 +85,10 @@ impl Forecast {
     ) -> Result<Forecast> {
         let most = |value: f64| session.world().max(value);
         let mut suspension = flow_solver(session, sample)?;
-        suspension.solve(&mut |_, _| {})?;
         // once more, elsewhere: tables for each kind of pair are made once a run
-        let first = suspension.cost().assembly;
+        let first = suspension.solve(&mut |_, _| {})?.cost.assembly;
         let solution = elsewhere(suspension.as_mut())?;
-        let cost = suspension.cost();
+        let cost = &solution.cost;
         let growth = Growth::of(setup, unknowns, suspension.setup(), cost);
         let [setup_seconds, assembly, krylov, surfaces] = [cost.setup, cost.assembly, cost.krylov.seconds, cost.stages.bodies].map(most);
         let solved = suspension.setup();
@@ -156,10 +155,8 @@ fn elsewhere<const D: usize>(suspension: &mut dyn FlowSolver<D>) -> Result<Solut
     let setup = suspension.setup();
     let centers: Vec<SVector<f64, D>> =
         setup.bodies.iter().map(|suspended| suspended.body.ball.center + SVector::repeat(DISPLACEMENT * setup.spacing)).collect();
-    let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
-    let tolerance = setup.tolerance.at_an_instant();
     let welds = setup.interactions.welds(&centers);
-    let moment = Configuration { centers: &centers, time, contacts: &[], contact_guess: &[], bonds: &welds, pushes: &[], tolerance };
+    let moment = Configuration::at_rest(setup, &centers, &welds);
     suspension.solve_at(&moment, &mut |_, _| {})
 }
 

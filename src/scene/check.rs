@@ -175,7 +175,10 @@ fn check_friction(scene: &Scene) -> Result<()> {
         return Ok(());
     }
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
-    expect(scene.flow.model != FlowModel::NavierStokes, "acts in dry runs and in Stokes flow so far; set flow.model = \"stokes\" or remove it")?;
+    expect(
+        scene.flow.model != FlowModel::NavierStokes,
+        "acts in dry runs and in Stokes flow so far; set flow.model = \"stokes\" or remove it",
+    )?;
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
     expect(!tied, "acts on single balls so far; remove it, or [[chains]], [[cells]] and [[clusters]]")

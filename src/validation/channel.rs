@@ -39,7 +39,7 @@ pub fn cylinder(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
 fn pressure_drop(flow: &dyn FlowSolver<2>) -> f64 {
     let body = &flow.setup().bodies[0];
     let modes = body.body.ball.modes(body.order);
-    let multipliers = &flow.levels()[0].multipliers[0];
+    let multipliers = &flow.evolution_on_grid().expect("it has inertia").levels()[0].multipliers[0];
     let outside = |normal: [f64; 2]| {
         let mut tractions = vec![0.0; modes.count() * 2];
         modes.traction(&normal, &mut tractions);

@@ -5,7 +5,7 @@ use std::{fmt::Write, path::Path, time::Instant};
 use super::solve::viscosity;
 use crate::{
     error::Result,
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{Setup, Suspension},
     output::say,
     petsc::Session,
     scene::Scene,

@@ -4,7 +4,7 @@ use std::{f64::consts::PI, path::Path};
 
 use turbid::{
     error::Error,
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{Setup, Suspension},
     petsc::Session,
     run::{Quantity, RefinementSequence},
     scene::Scene,

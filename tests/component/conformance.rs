@@ -9,8 +9,8 @@ use turbid::{
     flow::{Drive, InverseMethod, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
-    interaction::{Arrangement, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion, Wrench},
-    mechanics::{FlowSolver, Setup, Suspension},
+    interaction::{Arrangement, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion},
+    mechanics::{Setup, Suspension},
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
     plan::Plan,
@@ -55,12 +55,13 @@ impl<const D: usize> Interaction<D> for Springs {
         self.reach
     }
 
-    fn pair_forces(&self, arrangement: &Arrangement<D>) -> Vec<PairForce<D>> {
+    fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
         let force = |contact: Contact<D>| {
             let force = contact.normal * (-self.stiffness * contact.separation);
             PairForce { contact, force, torques: [SMatrix::zeros(); 2] }
         };
-        arrangement.near(self.reach).into_iter().filter(|contact| contact.other().is_some()).map(force).collect()
+        let near = arrangement.near(self.reach).into_iter().filter(|contact| contact.other().is_some());
+        near.map(force).collect::<Vec<_>>().into()
     }
 }
 
@@ -96,13 +97,13 @@ fn a_step_that_is_too_long_for_an_interaction_is_refused_by_its_name(_: &Session
     with(1.0).unwrap();
 }
 
-fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
+pub fn conforms(session: &Session, interaction: &dyn Interaction<2>) {
     assert!(!interaction.name().is_empty() && !interaction.describe().is_empty(), "{interaction:?} says nothing of itself");
     let (domain, weights) = (domain(), vec![2.0; 6]);
     let wrenches = |balls: &[Ball<2>]| {
         let arrangement =
-            Arrangement { domain: &domain, numbers: None, balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
-        Wrench::on_bodies(balls.len(), &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))
+            Arrangement { domain: &domain, numbers: None, balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY, time: 0.0 };
+        interaction.forces(&arrangement).on_bodies(balls.len(), &[])
     };
     let here = wrenches(&disks(Vector2::zeros()));
     let scale = here.iter().map(|wrench| wrench.force.norm()).fold(1.0, f64::max);
@@ -123,9 +124,16 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
     let domain = Domain { size: Vector2::new(40.0, 40.0), axes: [Axis::Periodic; 2] };
     let force = |gap: f64| {
         let balls = [0.0, 2.0 + gap].map(|x| Ball { center: Vector2::new(10.0 + x, 20.0), radius: 1.0 });
-        let arrangement =
-            Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 2], viscosity: Some(1.0), reach: f64::INFINITY };
-        Wrench::on_bodies(2, &interaction.contact_forces(&arrangement), &interaction.pair_forces(&arrangement))[1].force[0]
+        let arrangement = Arrangement {
+            domain: &domain,
+            numbers: None,
+            balls: &balls,
+            weights: &[1.0; 2],
+            viscosity: Some(1.0),
+            reach: f64::INFINITY,
+            time: 0.0,
+        };
+        interaction.forces(&arrangement).on_bodies(2, &[])[1].force[0]
     };
     for gap in [-0.01, 0.0, 0.01, 0.1, 0.3] {
         let slope = (force(gap + 1e-6) - force(gap - 1e-6)).abs() / 2e-6;
@@ -136,14 +144,22 @@ fn slope_is_bounded(interaction: &dyn Interaction<2>) {
 /// What is remembered of no force is nothing, and bounds that follow from what is remembered let contacts pull, in order.
 fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     let (domain, balls, weights) = (domain(), disks(Vector2::zeros()), vec![2.0; 6]);
-    let arrangement =
-        Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &weights, viscosity: Some(1.5), reach: f64::INFINITY };
-    assert!(interaction.remember(&arrangement, &[], &[], 0.1).is_empty() && interaction.lower_bounds(&arrangement, &[], 0.1).is_empty());
+    let arrangement = Arrangement {
+        domain: &domain,
+        numbers: None,
+        balls: &balls,
+        weights: &weights,
+        viscosity: Some(1.5),
+        reach: f64::INFINITY,
+        time: 0.0,
+    };
+    let Some(law) = interaction.contact().memory else { return };
+    assert!(law.remember(&arrangement, &[], &[], 0.1).is_empty() && law.lower_bounds(&arrangement, &[], 0.1).is_empty());
     let mut pressed: Vec<ContactForce<2>> =
         arrangement.near(0.5).into_iter().map(|contact| ContactForce { contact, force: 1.0 + contact.gap }).collect();
     pressed.sort_by_key(|pressed| pressed.contact.identity());
-    let memory = interaction.remember(&arrangement, &[], &pressed, 0.1);
-    let bounds = interaction.lower_bounds(&arrangement, &memory, 0.1);
+    let memory = law.remember(&arrangement, &[], &pressed, 0.1);
+    let bounds = law.lower_bounds(&arrangement, &memory, 0.1);
     assert_eq!(bounds.len(), memory.len());
     assert!(bounds.is_sorted_by_key(|bound| bound.contact.identity()));
     for bound in &bounds {
@@ -152,7 +168,7 @@ fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     }
     // once taken back it is forgotten
     let back: Vec<_> = pressed.iter().map(|pressed| ContactForce { force: -pressed.force, ..*pressed }).collect();
-    assert!(interaction.remember(&arrangement, &memory, &back, 0.1).is_empty());
+    assert!(law.remember(&arrangement, &memory, &back, 0.1).is_empty());
 }
 
 /// Rows resist, and neither push nor turn a pair that moves as one.
@@ -163,8 +179,9 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
     let layout = MultiplierLayout::new(&grid, &centers, &[13; 6], world.rank());
     let crowd = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
-    let rows = interaction.rows(&crowd, &layout);
-    assert_eq!(world.max(rows.films.len() as f64) > 0.0, interaction.resists(), "{interaction:?}");
+    let Some(resistance) = interaction.resistance() else { return };
+    let rows = resistance.rows(&crowd, &layout);
+    assert!(world.max(rows.films.len() as f64) > 0.0, "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
     assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|way| way.resistance > 0.0));
 }
@@ -195,7 +212,7 @@ fn granular(session: &Session) -> Simulation<2> {
     )
 }
 
-fn setup(interactions: Interactions<2>) -> Setup<2> {
+pub fn setup(interactions: Interactions<2>) -> Setup<2> {
     let body = |ball: Ball<2>| suspended(ball.center, ball.radius, Motion::Free { force: Vector2::zeros(), torque: SMatrix::zeros() }, 3);
     Setup {
         domain: domain(),
@@ -224,7 +241,7 @@ fn steppers_conform(session: &Session) {
 }
 
 /// Times grow and end where they should, nothing overlaps, and a state is all that a step depends on.
-fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
+pub fn stepper_conforms(start: &dyn Fn() -> Simulation<2>, tolerance: f64) {
     let mut simulation = start();
     let (mut steps, end) = (0, if simulation.suspension().is_some() { 1.5 } else { 1.0 });
     while !simulation.over() {
@@ -249,9 +266,16 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
     let springs = Springs { stiffness: 2.0, reach: 0.5 };
     let free = setup(Interactions::default());
     let balls: Vec<Ball<2>> = free.bodies.iter().map(|suspended| suspended.body.ball).collect();
-    let arrangement =
-        Arrangement { domain: &free.domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
-    let wrenches = Wrench::on_bodies(6, [], &springs.pair_forces(&arrangement));
+    let arrangement = Arrangement {
+        domain: &free.domain,
+        numbers: None,
+        balls: &balls,
+        weights: &[1.0; 6],
+        viscosity: None,
+        reach: f64::INFINITY,
+        time: 0.0,
+    };
+    let wrenches = springs.forces(&arrangement).on_bodies(6, &[]);
     let mut given = setup(Interactions::default());
     for (suspended, wrench) in given.bodies.iter_mut().zip(&wrenches) {
         suspended.body.motion = Motion::Free { force: wrench.force, torque: wrench.torque };
@@ -269,7 +293,7 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
 fn the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact(_: &Session) {
     let (domain, balls) = (domain(), disks(Vector2::zeros()));
     let arrangement =
-        Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY };
+        Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY, time: 0.0 };
     let contact = arrangement.near(0.5)[0];
     let stress = PairForce::from(&ContactForce { contact, force: 3.0 }).stress();
     let expected = contact.normal * contact.normal.transpose() * (-3.0 * contact.separation);

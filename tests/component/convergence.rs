@@ -5,7 +5,7 @@ use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{BodyState, FittedInclusions, FlowSolver, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension},
+    mechanics::{BodyState, FittedInclusions, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension},
     petsc::Session,
     plan::flow_solver,
     scene::{ConstraintMethod, MultiplierSolver},
@@ -41,7 +41,8 @@ fn methods() -> impl Iterator<Item = (ConstraintMethod, InverseMethod)> {
 fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Solution<D>, turbid::petsc::Report) {
     let mut solver = flow_solver(session, setup).unwrap();
     let solution = solver.solve(&mut |_, _| {}).unwrap();
-    (solution, solver.cost().krylov)
+    let cost = solution.cost.krylov;
+    (solution, cost)
 }
 
 /// The right-hand side is nothing but rounding: a solver that scales its residual by it takes noise for a flow.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use turbid::{
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{Setup, Suspension},
     petsc::Session,
     scene::Scene,
 };

@@ -7,7 +7,7 @@ use turbid::{
     body::{Motion, Twist},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, Setup, Snapshot, Solution, SuspendedBody},
+    mechanics::{Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, History, Setup, Snapshot, Solution, SuspendedBody},
     motion::Simulation,
     observe,
     petsc::Session,
@@ -37,7 +37,8 @@ pub fn tests() -> Vec<Test> {
 
 fn solve(session: &Session, setup: Setup<2>) -> (FittedFlow<2>, Solution<2>) {
     let mut fitted = FittedFlow::new(session, setup).unwrap();
-    let solution = fitted.solve(&mut |_, _| {}).unwrap();
+    let flow: &mut dyn FlowSolver<2> = &mut fitted;
+    let solution = flow.solve(&mut |_, _| {}).unwrap();
     (fitted, solution)
 }
 
@@ -240,10 +241,11 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     }
     let made = fitted.cost().meshes;
     assert!((2..=4).contains(&made), "{made} meshes");
-    let past = fitted.past().unwrap();
+    let past = fitted.history(f64::INFINITY).past.unwrap();
     let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), mean_flow: Vec::new() };
     let mut resumed = FittedFlow::new(session, setup()).unwrap();
-    resumed.remember(Some(ExtrapolationHistory { time: past.time, last, earlier: None }));
+    let past = Some(ExtrapolationHistory { time: past.time, last, earlier: None });
+    resumed.restore(History { past, ..History::default() }).unwrap();
     let moment = Configuration {
         centers: &[Vector2::new(0.4, 0.19)],
         time: 0.0,

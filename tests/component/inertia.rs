@@ -10,8 +10,8 @@ use turbid::{
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
     mechanics::{
-        Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, History, Inertia, Level, MeshLevel, Setup, Snapshot, SuspendedBody,
-        Suspension, UnsteadySuspension,
+        Configuration, EvolutionOnGrid, ExtrapolationHistory, FittedFlow, FlowSolver, History, Inertia, Level, MeshLevel, Setup, Snapshot,
+        SuspendedBody, Suspension, UnsteadySuspension,
     },
     motion::Simulation,
     observe,
@@ -192,7 +192,7 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
             let decay = (-2.0 * wave * wave * viscosity * time).exp();
             let at = |x: &Vector2<f64>| x - wind * time;
             // the discrete flow of the stream function, made as strong as the exact one
-            let mut fluid = stream(flow.grid(), &flow.fluid_vector().unwrap(), |x| {
+            let mut fluid = stream(flow.grid(), &fluid_vector(session, flow.grid()), |x| {
                 let x = at(x);
                 (wave * x[0]).sin() * (wave * x[1]).sin() / wave * decay
             });
@@ -206,6 +206,11 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
         distance(session, flow.grid(), found, &last)
     };
     at_second_order(error, 0.02);
+}
+
+/// A fluid vector of zeros.
+fn fluid_vector(session: &Session, grid: &Grid<2>) -> Vector {
+    Vector::new(session, grid.local_fluid_unknowns()).unwrap()
 }
 
 /// The flow without bodies that comes of another in so many steps to an end.
@@ -253,7 +258,7 @@ fn a_wave_that_a_sheared_box_tilts_is_followed_at_second_order(session: &Session
         let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
         let setup = Setup { drive: Drive::Shear(1.0), ..setup(domain, 1.0 / cells as f64, viscosity, Vec::new()) };
         let mut flow = UnsteadySuspension::new(session, setup).unwrap();
-        let shape = flow.fluid_vector().unwrap();
+        let shape = fluid_vector(session, flow.grid());
         let exact = |grid: &Grid<2>, time: f64| {
             let decay = (-viscosity * wave * wave * (time + time.powi(3) / 3.0)).exp() / (1.0 + time * time);
             stream(grid, &shape, |x| (wave * (x[0] - time * x[1])).cos() * decay / wave)
@@ -644,13 +649,13 @@ fn a_new_mesh_has_the_momentum_of_the_old_one(session: &Session) {
     };
     let (mut whole, mut before, mut step) = (flow(), [0.0; 4], 0);
     while whole.cost().meshes < 2 {
-        if let (Some(mesh), Some(level)) = (whole.mesh(), whole.history_before(f64::INFINITY).mesh_levels.first()) {
+        if let (Some(mesh), Some(level)) = (whole.mesh(), whole.history(f64::INFINITY).mesh_levels.first()) {
             before = moments(mesh, level);
         }
         solve(&mut whole, step);
         step += 1;
     }
-    let after = moments(whole.mesh().unwrap(), whole.history_before(f64::INFINITY).mesh_levels[1]);
+    let after = moments(whole.mesh().unwrap(), whole.history(f64::INFINITY).mesh_levels[1]);
     assert!((3..20).contains(&step) && before[1] > 0.0, "{step} steps, {before:?}");
     // rounding; velocities interpolated at the nodes miss it by 6e-5 and more
     for moment in 0..3 {
@@ -659,10 +664,10 @@ fn a_new_mesh_has_the_momentum_of_the_old_one(session: &Session) {
     // as the divergence on the new mesh has it, on this coarse one by 1.5e-3
     assert!((after[3] / before[3] - 1.0).abs() < 3e-3, "{before:?} and {after:?}");
     let mut resumed = flow();
-    let past = whole.past().unwrap();
+    let past = whole.history(f64::INFINITY).past.unwrap();
     let last = Snapshot { fluid: None, multipliers: Vec::new(), centers: past.last.centers.clone(), mean_flow: Vec::new() };
     let past = Some(ExtrapolationHistory { time: past.time, last, earlier: None });
-    let mesh_levels = whole.history_before(f64::INFINITY).mesh_levels.into_iter().cloned().collect();
+    let mesh_levels = whole.history(f64::INFINITY).mesh_levels.into_iter().cloned().collect();
     resumed.restore(History { past, levels: Vec::new(), mesh_levels }).unwrap();
     let (one, other) = (solve(&mut whole, step), solve(&mut resumed, step));
     assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "{one:?} and {other:?}");
@@ -792,7 +797,7 @@ fn drags(session: &Session, scene: &Scene) -> Vec<[f64; 3]> {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let state = simulation.state();
         if state.steps > 0 {
-            let courant = simulation.suspension().unwrap().courant(state.last_step).unwrap().unwrap();
+            let courant = simulation.suspension().unwrap().evolution_on_grid().unwrap().courant(state.last_step).unwrap().unwrap();
             seen.push([state.time, courant, observation.solution.as_ref().unwrap().bodies[0].force[0]]);
         }
         if simulation.over() {

@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector2};
 use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{FlowSolver, Setup, Solution, SuspendedBody},
+    mechanics::{Setup, Solution, SuspendedBody},
     petsc::Session,
     scene::{Scene, Tolerance},
 };

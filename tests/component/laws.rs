@@ -122,7 +122,7 @@ fn every_law_keeps_the_momentum_and_the_symmetry_of_a_head_on_pair_wherever_it_i
 fn keeps_momentum_and_symmetry<Law: Interaction<2> + Copy + 'static>(session: &Session, law: Law) {
     let inside = head_on(session, law, Vector2::new(4.0, 3.0));
     let gap = (inside[0] - inside[1]).norm() - 1.0;
-    match law.touch() {
+    match law.contact().touch {
         // they have met at 0.354 and bounced
         Some(Touch::Soft { .. }) => assert!(gap > 0.4, "{gap}"),
         _ => assert!(gap.abs() < 1e-12, "{law:?}: gap {gap:e}"),

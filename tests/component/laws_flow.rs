@@ -121,7 +121,7 @@ fn a_chain_pressed_to_the_floor_sticks_until_it_was_pulled_as_much(session: &Ses
 fn resistances_are_known_before_anything_is_built(session: &Session) {
     let setup = channel(&[([2.0, 2.0], [0.0, 0.0]), ([5.0, 3.0], [0.0, 0.0])]);
     let early = setup.resistance(&setup.bodies[0].body.ball);
-    for resistance in Suspension::new(session, setup).unwrap().resistances() {
+    for resistance in Suspension::new(session, setup).unwrap().resistance().of_bodies() {
         assert!((resistance / early - 1.0).abs() < 1e-12, "{resistance} and {early}");
     }
 }

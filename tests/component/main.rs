@@ -46,6 +46,7 @@ mod methods;
 mod momentum;
 mod motion;
 mod near;
+mod of_ones_own;
 mod outputs;
 mod ownership;
 mod packing;
@@ -124,6 +125,7 @@ fn main() {
         transform::tests(),
         units::tests(),
         near::tests(),
+        of_ones_own::tests(),
         outputs::tests(),
         ownership::tests(),
         packing::tests(),

@@ -30,7 +30,7 @@ fn last<const D: usize>(session: &Session, text: &str) -> Last<D> {
     let mut residual = 0.0_f64;
     loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        let flow = simulation.suspension().unwrap();
+        let flow = simulation.suspension().unwrap().evolution_on_grid().unwrap();
         residual = residual.max(flow.momentum_residual());
         if simulation.over() {
             let solution = observation.solution.as_ref().unwrap();

@@ -15,7 +15,9 @@ use turbid::{
     geometry::{Axis, Domain},
     interaction::Interactions,
     mechanics::{ResidualMonitor, State},
-    motion::{Effort, Observation, Rubbing, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StopRequest},
+    motion::{
+        Effort, Observation, Rubbing, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView, StopRequest,
+    },
     parallel::Peers,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
@@ -67,6 +69,7 @@ impl Stepper<2> for Hurdles {
             solution: None,
             step_size,
             passed: 0.0,
+            kinetic_energy: None,
             effort: Effort::default(),
         })
     }
@@ -88,12 +91,12 @@ impl Stepper<2> for Hurdles {
         })
     }
 
-    fn radii(&self) -> &[f64] {
-        &[0.5]
+    fn view(&self) -> StepperView<'_, 2> {
+        StepperView { radii: &[0.5], interactions: &self.interactions, twists_now: None, flow: None }
     }
 
-    fn interactions(&self) -> &Interactions<2> {
-        &self.interactions
+    fn free(&self) -> Vec<bool> {
+        vec![true]
     }
 }
 

@@ -1,13 +1,11 @@
 //! What one body adds whose multipliers act where its rows look: `C = J^T S`.
 
-use std::rc::Rc;
-
 use nalgebra::{SMatrix, SVector};
 
 use super::{equations::Equations, nodes::AdjointNodes};
 use crate::{
     constraint::{
-        body::{BodyBlocks, FreeInverse, Plans, Walls},
+        body::{BodyBlocks, BodyRows, InteriorBlocks, Plans, Walls},
         interior::InteriorForce,
         layout::MultiplierLayout,
         placed::Placed,
@@ -15,7 +13,6 @@ use crate::{
     },
     grid::Grid,
     linalg::SparseRows,
-    surface::SurfaceTable,
 };
 
 /// A body whose multipliers act where its rows look.
@@ -85,10 +82,10 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
         });
     }
 
-    fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
+    fn rows(&self) -> BodyRows<'_, D> {
         match &self.equations {
-            Equations::Surface { surface, .. } => Some(surface),
-            Equations::Rows(_) => None,
+            Equations::Surface { surface, .. } => BodyRows::Surface(surface),
+            Equations::Rows(rows) => BodyRows::Own(Some(&rows.inverse)),
         }
     }
 
@@ -99,14 +96,8 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
         }
     }
 
-    fn spin_up_of_rotation(&self) -> f64 {
-        self.interior.as_ref().map_or(0.0, InteriorForce::factor)
-    }
-
-    fn spread_spin_up(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut) {
-        if let Some(interior) = &self.interior {
-            interior.add(factor, spin_up, rows);
-        }
+    fn interior(&self) -> Option<&dyn InteriorBlocks> {
+        self.interior.as_ref().map(|interior| interior as &dyn InteriorBlocks)
     }
 
     fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
@@ -121,12 +112,5 @@ impl<const D: usize> BodyBlocks<D> for AdjointBody<D> {
             (0..D).for_each(|axis| moment[(component as usize, axis)] += self.cell * force * offset[axis]);
         }
         moment
-    }
-
-    fn free_inverse(&self) -> Option<Rc<dyn FreeInverse>> {
-        match &self.equations {
-            Equations::Surface { .. } => None,
-            Equations::Rows(rows) => Some(rows.inverse.clone()),
-        }
     }
 }

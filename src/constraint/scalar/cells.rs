@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     constraint::{
-        body::{BodyBlocks, FreeInverse, Plans, Walls},
+        body::{BodyBlocks, BodyRows, FreeInverse, Plans, Walls},
         layout::MultiplierLayout,
         places::{Entries, EntriesMut},
         rows::Rows,
@@ -83,6 +83,10 @@ impl<const D: usize> BodyBlocks<D> for Cells<D> {
 
     fn read(&self, u: Entries, _walls: Walls, _scratch: &mut Vec<f64>, out: &mut [f64]) {
         out.iter_mut().zip(&self.places[1]).for_each(|(out, &place)| *out = u.from(place)[0]);
+    }
+
+    fn rows(&self) -> BodyRows<'_, D> {
+        BodyRows::Own(None)
     }
 
     fn add_local(&self, own: &[f64], _all: Entries, out: &mut [f64]) {

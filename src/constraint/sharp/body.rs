@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use super::spread::OnWall;
 use crate::{
     constraint::{
-        body::{BodyBlocks, Plans, WallForces, Walls},
+        body::{BodyBlocks, BodyRows, Plans, WallForces, Walls},
         dense::KeptBlock,
         interpolant::Interpolant,
         layout::MultiplierLayout,
@@ -57,8 +57,8 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
         }
     }
 
-    fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
-        Some(&self.surface)
+    fn rows(&self) -> BodyRows<'_, D> {
+        BodyRows::Surface(&self.surface)
     }
 
     fn add_local(&self, _own: &[f64], all: Entries, out: &mut [f64]) {

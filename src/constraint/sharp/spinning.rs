@@ -6,8 +6,6 @@
 //! the jumps of steady flow make its surface more mobile than any fluid that has mass: its momentum would have the wrong sign. It spins as its surface
 //! does: nothing else would hold the inside to the surface.
 
-use std::rc::Rc;
-
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{AssembledBody, INTERPOLATION_REACH, JumpNodes, SharpBody, Workspace, assemble, bytes};
@@ -15,7 +13,7 @@ use crate::{
     body::planes,
     constraint::{
         blocks::rotations,
-        body::{BodyBlocks, Plans, WallForces, Walls},
+        body::{BodyBlocks, BodyRows, InteriorBlocks, Plans, WallForces, Walls},
         conservation::TERMS,
         interior::InteriorForce,
         kept_values::Precision,
@@ -26,7 +24,7 @@ use crate::{
     },
     grid::Grid,
     linalg::dot,
-    surface::{SurfaceTable, unit_rotation},
+    surface::unit_rotation,
 };
 
 /// The method; surfaces need the jumps of spin-ups ([`SurfaceTable::with_spin_up`]).
@@ -183,20 +181,36 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
         self.blocks.read(u, walls, scratch, out);
     }
 
-    fn read_inside(&self, u: Entries, out: &mut [f64]) {
-        if let Some(mean_motion) = &self.mean_motion {
-            mean_motion.read(u, out);
-        }
-    }
-
-    fn surface(&self) -> Option<&Rc<SurfaceTable<D>>> {
-        self.blocks.surface()
+    fn rows(&self) -> BodyRows<'_, D> {
+        self.blocks.rows()
     }
 
     fn add_local(&self, own: &[f64], all: Entries, out: &mut [f64]) {
         self.blocks.add_local(own, all, out);
     }
 
+    fn interior(&self) -> Option<&dyn InteriorBlocks> {
+        Some(self)
+    }
+
+    fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
+        self.blocks.coefficients(known)
+    }
+
+    fn first_moment(&self, c: &[f64]) -> SMatrix<f64, D, D> {
+        self.blocks.first_moment(c)
+    }
+
+    fn add_on_walls(&self, c: &[f64], forces: &mut WallForces<D>) {
+        self.blocks.add_on_walls(c, forces);
+    }
+
+    fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
+        Box::new(self.blocks).into_memory()
+    }
+}
+
+impl<const D: usize> InteriorBlocks for SpinningBody<D> {
     fn spread_spin_up(&self, factor: f64, spin_up: &[f64], rows: &mut EntriesMut) {
         if spin_up.iter().any(|spin_up| *spin_up != 0.0) {
             for (place, values) in self.blocks.rows.places.iter().zip(self.rows.chunks_exact(spin_up.len())) {
@@ -217,20 +231,10 @@ impl<const D: usize> BodyBlocks<D> for SpinningBody<D> {
         }
     }
 
-    fn coefficients(&self, known: &dyn Fn(&SVector<f64, D>) -> SVector<f64, D>) -> Vec<f64> {
-        self.blocks.coefficients(known)
-    }
-
-    fn first_moment(&self, c: &[f64]) -> SMatrix<f64, D, D> {
-        self.blocks.first_moment(c)
-    }
-
-    fn add_on_walls(&self, c: &[f64], forces: &mut WallForces<D>) {
-        self.blocks.add_on_walls(c, forces);
-    }
-
-    fn into_memory(self: Box<Self>) -> Vec<Vec<f32>> {
-        Box::new(self.blocks).into_memory()
+    fn read_inside(&self, u: Entries, out: &mut [f64]) {
+        if let Some(mean_motion) = &self.mean_motion {
+            mean_motion.read(u, out);
+        }
     }
 }
 

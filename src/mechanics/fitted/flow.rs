@@ -20,11 +20,11 @@ use crate::{
     grid::Grid,
     interaction::Wrench,
     mechanics::{
-        Configuration, Cost, ExtrapolationHistory, FlowSolver, History, HistoryShape, HistoryView, MeshLevel, ResidualMonitor, Setup,
-        Snapshot, Solution, WallForces, check_steady_state,
+        Configuration, Cost, Evolution, EvolutionOnGrid, ExtrapolationHistory, FlowSolver, History, HistoryShape, HistoryView, MeshLevel,
+        ResidualMonitor, Resistance, Setup, Snapshot, Solution, WallForces, check_steady_state,
         unsteady::{first_step, inertia, longest_step},
     },
-    petsc::{Direct, Report, Session, Stage, Vector, enter},
+    petsc::{Direct, Report, Session, Stage, enter},
 };
 
 /// Solutions from which a step starts.
@@ -67,6 +67,11 @@ impl<const D: usize> FittedFlow<D> {
         Ok(FittedFlow { session, setup, grid, domain, moving: None, mesh: None, past: None, history, cost })
     }
 
+    /// What the last solve cost.
+    pub fn cost(&self) -> &Cost {
+        &self.cost
+    }
+
     /// The mesh of the last solve.
     pub fn mesh(&self) -> Option<&Mesh> {
         self.mesh.as_ref()
@@ -82,67 +87,31 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         &self.setup
     }
 
-    fn cost(&self) -> &Cost {
-        &self.cost
-    }
-
-    fn prescribe(&mut self, time: f64) {
+    fn prepare(&mut self, time: f64, _again: bool) -> Result<()> {
         self.setup.prescribe(time);
-    }
-
-    fn inverse(&self) -> &'static str {
-        "direct"
-    }
-
-    fn fluid_vector(&self) -> Result<Vector> {
-        Vector::new(&self.session, self.grid.local_fluid_unknowns())
-    }
-
-    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
-        (self.moving, self.past) = (None, past);
-    }
-
-    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
-        self.past.as_ref()
-    }
-
-    fn evolves(&self) -> bool {
-        self.history.is_some()
-    }
-
-    fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
-        let of_history = |history: &MeshHistory| match (history.past.is_empty(), history.fastest()) {
-            (false, fastest) if fastest > 0.0 => longest_step(&self.setup, self.setup.spacing, fastest),
-            (_, fastest) => first_step(&self.setup, self.setup.spacing, fastest, pushes),
-        };
-        Ok(self.history.as_ref().map_or(f64::INFINITY, of_history))
-    }
-
-    fn history_before(&self, _time: f64) -> HistoryView<'_, D> {
-        HistoryView { past: self.past.as_ref(), levels: Vec::new(), mesh_levels: self.levels_on_mesh() }
-    }
-
-    fn history_shape(&self) -> HistoryShape {
-        HistoryShape { mesh_levels: if self.evolves() { MESH_LEVELS } else { 0 }, ..HistoryShape::default() }
-    }
-
-    fn restore(&mut self, history: History<D>) -> Result<()> {
-        if history.past.is_some() {
-            self.remember(history.past);
-        }
-        if self.evolves() {
-            let mut levels = history.mesh_levels.into_iter();
-            self.history = Some(MeshHistory { current: levels.next(), past: levels.collect() });
-        }
         Ok(())
     }
 
-    fn solve(&mut self, monitor: ResidualMonitor) -> Result<Solution<D>> {
-        let centers: Vec<SVector<f64, D>> = self.setup.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        self.solve_at(
-            &Configuration { centers: &centers, time: 0.0, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance: 0.0 },
-            monitor,
-        )
+    fn resistance(&self) -> Resistance<'_, D> {
+        Resistance::unbounded(&self.setup)
+    }
+
+    fn evolution(&self) -> Option<&dyn Evolution<D>> {
+        self.history.is_some().then_some(self)
+    }
+
+    fn history(&self, _time: f64) -> HistoryView<'_, D> {
+        let shape = HistoryShape { mesh_levels: if self.history.is_some() { MESH_LEVELS } else { 0 }, ..HistoryShape::default() };
+        HistoryView { past: self.past.as_ref(), levels: Vec::new(), mesh_levels: self.levels_on_mesh(), shape }
+    }
+
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        (self.moving, self.past) = (None, history.past);
+        if let Some(levels) = &mut self.history {
+            let mut restored = history.mesh_levels.into_iter();
+            *levels = MeshHistory { current: restored.next(), past: restored.collect() };
+        }
+        Ok(())
     }
 
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
@@ -158,7 +127,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         let inertia = self.history.as_ref().and_then(|history| history.inertia(&self.setup, &mesh, configuration.time));
         let problem = problem(&self.setup, &mesh, &motions, inertia.as_ref());
         let numbering = StokesNumbering::new(&problem);
-        if self.evolves() && inertia.is_none() {
+        if self.history.is_some() && inertia.is_none() {
             let flow = self.at_rest(&problem, &numbering);
             let disks = vec![Load::default(); motions.len()];
             let solution = self.solution(&problem, &flow, Loads { disks, ..Loads::default() })?;
@@ -183,6 +152,20 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         self.keep(configuration, &mesh, &flow);
         self.mesh = Some(mesh);
         Ok(solution)
+    }
+}
+
+impl<const D: usize> Evolution<D> for FittedFlow<D> {
+    fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
+        let of_history = |history: &MeshHistory| match (history.past.is_empty(), history.fastest()) {
+            (false, fastest) if fastest > 0.0 => longest_step(&self.setup, self.setup.spacing, fastest),
+            (_, fastest) => first_step(&self.setup, self.setup.spacing, fastest, pushes),
+        };
+        Ok(self.history.as_ref().map_or(f64::INFINITY, of_history))
+    }
+
+    fn on_grid(&self) -> Option<&dyn EvolutionOnGrid<D>> {
+        None
     }
 }
 
@@ -276,6 +259,7 @@ impl<const D: usize> FittedFlow<D> {
             bond_stress: None,
             friction_stress: None,
             bond_forces: Vec::new(),
+            cost: self.cost,
             walls: WallForces {
                 forces: std::array::from_fn(|axis| {
                     found.walls.get(axis).copied().unwrap_or_default().map(|force| spatial(&(viscosity * force)))

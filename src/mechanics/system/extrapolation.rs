@@ -18,6 +18,12 @@ use crate::{
 /// Jump functions say little about points further than this from a surface, in cells: after longer moves a solve starts anew.
 const LONGEST_MOVE: f64 = 2.0;
 
+/// Histories that are kept: that before a step, and those of its two solves, now and half a step ahead.
+const MOST: usize = 3;
+
+/// The same with fluids, which take room.
+const MOST_WITH_FLUID: usize = 2;
+
 /// A solution: the fluid on the grid, the multipliers of all bodies (known to all ranks) and the unknowns of the mean-flow constraint.
 pub struct Snapshot<const D: usize> {
     /// Disturbance of the flow without bodies, unless the fluid is eliminated.
@@ -39,6 +45,10 @@ pub struct ExtrapolationHistory<const D: usize> {
     /// The solution before it, whose fluid has its surfaces where the last one has them, and the time between the two.
     pub earlier: Option<(Snapshot<D>, f64)>,
 }
+
+/// Histories at the last times at which something was solved, the last one first: a run that stops amid the solves of a step goes on from what was before them.
+#[derive(Default)]
+pub struct RecentHistories<const D: usize>(Vec<ExtrapolationHistory<D>>);
 
 /// The starting point of a solve.
 pub struct InitialGuess<const D: usize> {
@@ -70,11 +80,6 @@ impl<const D: usize> Snapshot<D> {
         Ok(snapshot)
     }
 
-    fn without_fluid(&self) -> Option<Snapshot<D>> {
-        let (multipliers, centers, mean_flow) = (self.multipliers.clone(), self.centers.clone(), self.mean_flow.clone());
-        self.fluid.is_none().then_some(Snapshot { fluid: None, multipliers, centers, mean_flow })
-    }
-
     fn copy(&self) -> Result<Snapshot<D>> {
         let (multipliers, centers, mean_flow) = (self.multipliers.clone(), self.centers.clone(), self.mean_flow.clone());
         Ok(Snapshot { fluid: self.fluid.as_ref().map(Vector::copied).transpose()?, multipliers, centers, mean_flow })
@@ -88,15 +93,6 @@ impl<const D: usize> Snapshot<D> {
 }
 
 impl<const D: usize> ExtrapolationHistory<D> {
-    /// A copy, if it holds no fluid.
-    pub fn without_fluid(&self) -> Option<ExtrapolationHistory<D>> {
-        let earlier = match &self.earlier {
-            Some((earlier, interval)) => Some((earlier.without_fluid()?, *interval)),
-            None => None,
-        };
-        Some(ExtrapolationHistory { time: self.time, last: self.last.without_fluid()?, earlier })
-    }
-
     /// A starting point for bodies that have come to new `centers` at a `time`; none if they moved too far.
     pub fn guess(&self, bodies: &Bodies<D>, centers: &[SVector<f64, D>], time: f64) -> Result<Option<InitialGuess<D>>> {
         let longest = centers.iter().zip(&self.last.centers).map(|(center, last)| (center - last).norm()).fold(0.0, f64::max);
@@ -152,22 +148,40 @@ impl<const D: usize> ExtrapolationHistory<D> {
         let placed = Placed { center: self.last.centers[body] + shift, surface: bodies.placed[body].surface.clone() };
         freshly_cleared(bodies.grid(), &placed, &bodies.placed[body].center).into_iter().map(|point| (body, shift, point)).collect()
     }
+}
 
-    /// What is past once a solve at a `time` has found the snapshot `last`, starting from a guess, and what was before it, unless that is of this time too.
-    pub fn then(
-        past: Option<ExtrapolationHistory<D>>,
-        last: Snapshot<D>,
-        guess: Option<InitialGuess<D>>,
-        time: f64,
-    ) -> (ExtrapolationHistory<D>, Option<ExtrapolationHistory<D>>) {
-        match past {
-            // another solve at the same instant takes the place of the last one
-            Some(past) if past.time == time => (ExtrapolationHistory { time, last, earlier: past.earlier }, None),
-            past => {
-                let interval = past.as_ref().map(|past| time - past.time);
-                let earlier = interval.and_then(|interval| guess.map(|guess| (guess.last, interval)));
-                (ExtrapolationHistory { time, last, earlier }, past)
-            }
+impl<const D: usize> RecentHistories<D> {
+    /// What the next solve starts from.
+    pub fn last(&self) -> Option<&ExtrapolationHistory<D>> {
+        self.0.first()
+    }
+
+    /// What the first solve at a time started from, or starts from.
+    pub fn before(&self, time: f64) -> Option<&ExtrapolationHistory<D>> {
+        self.0.iter().find(|history| history.time < time)
+    }
+
+    /// Adds what a solve at a time has found that started from a guess; another solve at the same instant takes the place of the last one.
+    pub fn add(&mut self, last: Snapshot<D>, guess: Option<InitialGuess<D>>, time: f64) {
+        if let Some(same) = self.0.first_mut().filter(|history| history.time == time) {
+            same.last = last;
+            return;
         }
+        let interval = self.0.first().map(|history| time - history.time);
+        let earlier = interval.and_then(|interval| guess.map(|guess| (guess.last, interval)));
+        let most = if last.fluid.is_some() { MOST_WITH_FLUID } else { MOST };
+        self.0.insert(0, ExtrapolationHistory { time, last, earlier });
+        self.0.truncate(most);
+    }
+
+    /// Forgets what was found from a time on.
+    pub fn forget_from(&mut self, time: f64) {
+        self.0.retain(|history| history.time < time);
+    }
+}
+
+impl<const D: usize> From<Option<ExtrapolationHistory<D>>> for RecentHistories<D> {
+    fn from(last: Option<ExtrapolationHistory<D>>) -> Self {
+        RecentHistories(last.into_iter().collect())
     }
 }

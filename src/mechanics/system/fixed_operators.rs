@@ -14,7 +14,7 @@ use crate::{
     error::{Error, Result},
     flow::{Drive, Stokes, StokesInverse},
     grid::Grid,
-    mechanics::{BodyState, Setup, Solution, SuspendedBody, WallForces},
+    mechanics::{BodyState, Cost, Setup, Solution, SuspendedBody, WallForces},
     petsc::{Session, Vector},
 };
 
@@ -229,6 +229,7 @@ impl<const D: usize> FixedOperators<D> {
             friction_stress: None,
             bond_forces: Vec::new(),
             lubrication: None,
+            cost: Cost::default(),
         })
     }
 

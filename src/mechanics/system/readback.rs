@@ -10,7 +10,7 @@ use crate::{
     body::Row,
     constraint::MultiplierLayout,
     error::Result,
-    mechanics::{Configuration, Solution, WallForces, work::SolvedUnknowns},
+    mechanics::{Configuration, Cost, Solution, WallForces, work::SolvedUnknowns},
 };
 
 /// The solution, with the unknowns of this rank's contacts and films. Collective.
@@ -33,6 +33,7 @@ pub fn solution<const D: usize>(
         fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, relative_modes, &mut states, &mut walls));
     Ok(Solution {
         lubrication,
+        cost: Cost::default(),
         bond_stress: Row::total_stress(configuration.bonds, &bond_forces, configuration.centers),
         bond_forces,
         walls: WallForces { forces: walls, complete: false },

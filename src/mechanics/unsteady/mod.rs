@@ -30,20 +30,20 @@ pub use self::{
 use super::{
     configuration::Configuration,
     cost::{Cost, ResidualMonitor},
+    evolution::{Evolution, EvolutionOnGrid},
     flow_solver::FlowSolver,
     history::{History, HistoryShape, HistoryView},
+    resistance::Resistance,
     setup::{Inertia, Setup},
     solution::{BodyState, Lubrication, Solution, WallForces},
     system::{
-        extrapolation::{ExtrapolationHistory, Snapshot},
+        extrapolation::{RecentHistories, Snapshot},
         level::{Band, Extended, Level},
-        network_resistance::network_resistance,
         points::{Point, each_inside},
     },
 };
 use crate::{
     body::{Row, Twist, planes},
-    contact::{BathedResistance, Contact},
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
@@ -91,9 +91,7 @@ pub struct UnsteadySuspension<const D: usize> {
     past: Vec<(Level<D>, Extended<D>)>,
     assembly: Option<Assembly<D>>,
     workspace: Option<KrylovWorkspace>,
-    guess: Option<ExtrapolationHistory<D>>,
-    /// What the first solve at the time of the last one started from.
-    guess_before: Option<ExtrapolationHistory<D>>,
+    recent: RecentHistories<D>,
     /// What the formula of the last step makes of a unit of the mean force of contacts.
     of_impulse: f64,
     cost: Cost,
@@ -124,8 +122,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             past,
             assembly,
             workspace: None,
-            guess: None,
-            guess_before: None,
+            recent: RecentHistories::default(),
             of_impulse: 1.0,
             cost,
         })
@@ -138,6 +135,14 @@ impl<const D: usize> UnsteadySuspension<D> {
     /// Mass per volume over viscosity.
     fn inverse_diffusivity(&self) -> f64 {
         self.inertia().fluid / self.fixed.setup.viscosity
+    }
+
+    /// Forgets what was found from a time on: another step is taken in place of the one that led there.
+    fn forget_from(&mut self, time: f64) {
+        if self.current.take_if(|level| level.time >= time).is_some() {
+            self.forget_surroundings();
+        }
+        self.recent.forget_from(time);
     }
 
     /// Makes the last solution a past one, if time has gone on.
@@ -207,8 +212,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(())
     }
 
-    /// What there is before the first step.
-    fn at_rest(&mut self, configuration: &Configuration<D>) -> Result<Solution<D>> {
+    /// The flow before the first step.
+    fn initial_flow(&self, centers: &[SVector<f64, D>]) -> Result<Vector> {
         let mut fluid = self.fixed.stokes.vector()?;
         let mean_velocity = self.fixed.imposed_mean_velocity();
         let mut values = fluid.local_mut()?;
@@ -222,7 +227,13 @@ impl<const D: usize> UnsteadySuspension<D> {
             }
         }
         drop(values);
-        self.start_free_bodies(configuration.centers, &mut fluid)?;
+        self.start_free_bodies(centers, &mut fluid)?;
+        Ok(fluid)
+    }
+
+    /// What there is before the first step.
+    fn at_rest(&mut self, configuration: &Configuration<D>) -> Result<Solution<D>> {
+        let fluid = self.initial_flow(configuration.centers)?;
         let bodies = &self.fixed.setup.bodies;
         let twists = self.starting_motions();
         let multipliers: Vec<_> = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
@@ -249,7 +260,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(Solution {
             bodies: states,
             fluid,
-            mean_velocity,
+            mean_velocity: self.fixed.imposed_mean_velocity(),
             pressure_gradient: SVector::zeros(),
             walls: WallForces::none(),
             contact_forces: vec![0.0; configuration.contacts.len()],
@@ -258,6 +269,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             friction_stress: None,
             bond_forces: Vec::new(),
             lubrication: self.films_at_rest(configuration.centers)?,
+            cost: Cost::default(),
         })
     }
 
@@ -303,7 +315,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         if self.fixed.slide_grid(time)? {
             (self.inverse, self.assembly) = (None, None);
             if !self.fixed.condensed {
-                self.guess = None;
+                self.recent = RecentHistories::default();
             }
         }
         let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
@@ -355,6 +367,81 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(())
     }
 
+    /// The blocks of bodies, with what is known before a step is solved.
+    fn assembled(&mut self, centers: &[SVector<f64, D>], weights: StepWeights, lag: f64) -> Result<Assembly<D>> {
+        let _stage = enter(Stage::Assembly);
+        let mut assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
+        self.fill_undisturbed(weights, &mut assembly, centers)?;
+        assembly.meet_flow(&self.fixed)?;
+        if self.fixed.method.jumps() {
+            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
+        }
+        Ok(assembly)
+    }
+
+    /// Solves the linear system of a step; the multipliers of all bodies besides, where jump functions need them.
+    fn solve_system(
+        &mut self,
+        assembly: Assembly<D>,
+        configuration: &Configuration<D>,
+        weights: StepWeights,
+        monitor: ResidualMonitor,
+    ) -> Result<(Solution<D>, Vec<Vec<f64>>)> {
+        let (start, fixed) = (Instant::now(), &self.fixed);
+        let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.recent.last(), configuration)?;
+        self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
+        self.cost.assembly += start.elapsed().as_secs_f64();
+        self.cost.assembled = ready.assembly.assembled;
+        let inverse = self.inverse.as_deref_mut().expect("a step has begun");
+        let (report, mut found) = ready.solve(fixed, inverse, monitor)?;
+        let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
+        self.cost.krylov = report;
+        self.cost.stages = std::mem::take(&mut workspace.work.stages);
+        let constraints = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
+        let mut multipliers = vec![Vec::new(); configuration.centers.len()];
+        if fixed.method.on_surfaces() {
+            let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
+            if fixed.method.jumps() {
+                multipliers.clone_from(&last.multipliers);
+            }
+            self.recent.add(last, guess, configuration.time);
+        }
+        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, configuration)?;
+        drop(bodies);
+        solution.contact_forces.iter_mut().for_each(|force| *force /= weights.of_impulse());
+        self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
+        (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
+        Ok((solution, multipliers))
+    }
+
+    /// Completes what a step has found by what its momentum says, and keeps it for the next ones.
+    fn keep(
+        &mut self,
+        solution: &mut Solution<D>,
+        multipliers: Vec<Vec<f64>>,
+        configuration: &Configuration<D>,
+        weights: StepWeights,
+        lag: f64,
+    ) -> Result<()> {
+        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
+        let spin_ups = momentum.complete(&mut solution.bodies);
+        let twists = solution.bodies.iter().map(|state| state.twist).collect();
+        let (time, centers) = (configuration.time, configuration.centers.to_vec());
+        let last = &self.past[0].0;
+        let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
+        let slow = slowed(&last.slow, (before, &multipliers), lag);
+        let resolved = last.resolved.clone();
+        let mut impulses = vec![SVector::zeros(); centers.len()];
+        let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
+        for (body, push) in contacts.flat_map(|(row, force)| row.wrenches(force * weights.step)) {
+            impulses[body] += push.direction;
+        }
+        let fluid = solution.fluid.copied()?;
+        self.current = Some(Level { time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved });
+        self.forget_surroundings();
+        Ok(())
+    }
+
     /// Ends a step that is too long for what the flow carries along.
     fn refuse_unstable(&self, fluid: &Vector, time: f64, step: f64) -> Result<()> {
         let (size, spacing) = (fluid.norm()?, self.fixed.grid.spacing().min());
@@ -392,27 +479,64 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         &self.fixed.setup
     }
 
-    fn cost(&self) -> &Cost {
-        &self.cost
-    }
-
-    fn prescribe(&mut self, time: f64) {
+    fn prepare(&mut self, time: f64, again: bool) -> Result<()> {
         self.fixed.setup.prescribe(time);
-    }
-
-    fn inverse(&self) -> &'static str {
-        self.setup().inverse.word()
-    }
-
-    fn evolves(&self) -> bool {
-        true
-    }
-
-    fn prepare(&mut self, time: f64) -> Result<()> {
+        self.forget_from(if again { time.next_up() } else { time });
         self.settle(time)?;
         if self.past.is_empty() { Ok(()) } else { self.begin(time).map(drop) }
     }
 
+    fn resistance(&self) -> Resistance<'_, D> {
+        Resistance::of_modes(&self.fixed, self.assembly.as_ref(), self.of_impulse)
+    }
+
+    fn evolution(&self) -> Option<&dyn Evolution<D>> {
+        Some(self)
+    }
+
+    fn history(&self, time: f64) -> HistoryView<'_, D> {
+        let all = self.current.iter().chain(self.past.iter().map(|(level, _)| level));
+        HistoryView {
+            past: self.recent.before(time),
+            levels: all.filter(|level| level.time < time).take(LEVELS).collect(),
+            mesh_levels: Vec::new(),
+            shape: HistoryShape { fluid: !self.fixed.condensed, multipliers: self.multiplier_counts(), levels: LEVELS, mesh_levels: 0 },
+        }
+    }
+
+    fn restore(&mut self, history: History<D>) -> Result<()> {
+        self.recent = history.past.into();
+        let mut levels = history.levels.into_iter();
+        (self.current, self.past) = (levels.next(), Vec::new());
+        self.forget_surroundings();
+        levels.try_for_each(|level| self.remember_level(level, None, self.past.len()))
+    }
+
+    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
+        let start = Instant::now();
+        self.settle(configuration.time)?;
+        if self.past.is_empty() {
+            return self.at_rest(configuration);
+        }
+        let weights = self.begin(configuration.time)?;
+        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
+        let pushes = momentum.pushes(configuration.pushes);
+        self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
+        let lag = lag(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
+        let assembly = self.assembled(configuration.centers, weights, lag)?;
+        let factor = weights.of_impulse();
+        let guess: Vec<f64> = configuration.contact_guess.iter().map(|force| factor * force).collect();
+        let per_impulse = |row: &Row<D>| Row { compliance: row.compliance / factor, ..row.clone() };
+        let contacts: Vec<Row<D>> = configuration.contacts.iter().map(per_impulse).collect();
+        let configuration = Configuration { pushes: &pushes, contacts: &contacts, contact_guess: &guess, ..*configuration };
+        self.cost.assembly = start.elapsed().as_secs_f64();
+        let (mut solution, multipliers) = self.solve_system(assembly, &configuration, weights, monitor)?;
+        self.keep(&mut solution, multipliers, &configuration, weights, lag)?;
+        Ok(Solution { cost: self.cost, ..solution })
+    }
+}
+
+impl<const D: usize> Evolution<D> for UnsteadySuspension<D> {
     fn longest_step(&self, pushes: &[Wrench<D>]) -> Result<f64> {
         let fastest = self.current.as_ref().map_or(Ok(0.0), |level| fastest(&self.fixed.grid, &level.fluid))?;
         let (setup, spacing) = (&self.fixed.setup, self.fixed.grid.spacing().min());
@@ -420,70 +544,19 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         Ok(if moves { longest_step(setup, spacing, fastest) } else { first_step(setup, spacing, fastest, pushes) })
     }
 
-    fn courant(&self, step: f64) -> Result<Option<f64>> {
-        let passed = |level: &Level<D>| Ok(fastest(&self.fixed.grid, &level.fluid)? * step / self.fixed.grid.spacing().min());
-        self.current.as_ref().map(passed).transpose()
+    fn on_grid(&self) -> Option<&dyn EvolutionOnGrid<D>> {
+        Some(self)
     }
+}
 
-    fn withdraw(&mut self) {
-        let last = self.past.first().map(|(level, _)| level.time);
-        self.current.take_if(|level| Some(level.time) > last);
-        self.forget_surroundings();
-        if self.guess.as_ref().is_some_and(|guess| Some(guess.time) > last) {
-            self.guess = self.guess_before.take();
-        }
-    }
-
-    fn resistances(&self) -> Vec<f64> {
-        self.fixed.resistances()
-    }
-
-    fn film_resistance(&self, contact: &Contact<D>) -> f64 {
-        self.fixed.film_resistance(contact)
-    }
-
-    fn network_resistance(&self) -> BathedResistance<D> {
-        network_resistance(&self.fixed, self.assembly.as_ref(), self.of_impulse)
-    }
-
-    fn of_impulse(&self) -> f64 {
-        self.of_impulse
-    }
-
-    fn remember(&mut self, past: Option<ExtrapolationHistory<D>>) {
-        (self.guess, self.guess_before) = (past, None);
-    }
-
-    fn fluid_vector(&self) -> Result<Vector> {
-        self.fixed.stokes.vector()
-    }
-
-    fn abandon(&mut self, time: f64) {
-        if self.current.take_if(|level| level.time == time).is_some() {
-            self.forget_surroundings();
-            self.current = (!self.past.is_empty()).then(|| self.past.remove(0).0);
-        }
-    }
-
-    fn past(&self) -> Option<&ExtrapolationHistory<D>> {
-        self.guess.as_ref()
-    }
-
+impl<const D: usize> EvolutionOnGrid<D> for UnsteadySuspension<D> {
     fn levels(&self) -> Vec<&Level<D>> {
         self.current.iter().chain(self.past.iter().map(|(level, _)| level)).take(LEVELS).collect()
     }
 
-    fn history_before(&self, time: f64) -> HistoryView<'_, D> {
-        let all = self.current.iter().chain(self.past.iter().map(|(level, _)| level));
-        HistoryView {
-            past: self.guess.as_ref().filter(|guess| guess.time < time).or(self.guess_before.as_ref()),
-            levels: all.filter(|level| level.time < time).take(LEVELS).collect(),
-            mesh_levels: Vec::new(),
-        }
-    }
-
-    fn history_shape(&self) -> HistoryShape {
-        HistoryShape { fluid: !self.fixed.condensed, multipliers: self.multiplier_counts(), levels: LEVELS, mesh_levels: 0 }
+    fn courant(&self, step: f64) -> Result<Option<f64>> {
+        let passed = |level: &Level<D>| Ok(fastest(&self.fixed.grid, &level.fluid)? * step / self.fixed.grid.spacing().min());
+        self.current.as_ref().map(passed).transpose()
     }
 
     fn extended_flow(&self) -> Result<Option<Vector>> {
@@ -498,86 +571,5 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
     fn thinnest_layer(&self) -> Result<Option<f64>> {
         let thinnest = |layers: Vec<f64>| layers.into_iter().filter(|layer| *layer > 0.0).fold(f64::INFINITY, f64::min);
         Ok(self.layers()?.filter(|layers| !layers.is_empty()).map(thinnest))
-    }
-
-    fn restore(&mut self, history: History<D>) -> Result<()> {
-        if history.past.is_some() {
-            self.remember(history.past);
-        }
-        let mut levels = history.levels.into_iter();
-        (self.current, self.past) = (levels.next(), Vec::new());
-        self.forget_surroundings();
-        levels.try_for_each(|level| self.remember_level(level, None, self.past.len()))
-    }
-
-    fn solve(&mut self, _: ResidualMonitor) -> Result<Solution<D>> {
-        Err(Error::refused("a flow with inertia has no solution at an instant: give the scene a [time] section"))
-    }
-
-    fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
-        let start = Instant::now();
-        self.settle(configuration.time)?;
-        if self.past.is_empty() {
-            return self.at_rest(configuration);
-        }
-        let weights = self.begin(configuration.time)?;
-        let stage = enter(Stage::Assembly);
-        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
-        let pushes = momentum.pushes(configuration.pushes);
-        self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
-        let mut assembly = Assembly::of(&self.fixed, configuration.centers, self.assembly.take())?;
-        self.fill_undisturbed(weights, &mut assembly, configuration.centers)?;
-        assembly.meet_flow(&self.fixed)?;
-        let lag = lag(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
-        if self.fixed.method.jumps() {
-            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
-        }
-        drop(stage);
-        let factor = weights.of_impulse();
-        let guess: Vec<f64> = configuration.contact_guess.iter().map(|force| factor * force).collect();
-        let per_impulse = |row: &Row<D>| Row { compliance: row.compliance / factor, ..row.clone() };
-        let contacts: Vec<Row<D>> = configuration.contacts.iter().map(per_impulse).collect();
-        let configuration = Configuration { pushes: &pushes, contacts: &contacts, contact_guess: &guess, ..*configuration };
-        let fixed = &self.fixed;
-        let mut ready = AssembledSystem::new(fixed, Some(assembly), self.workspace.take(), self.guess.as_ref(), &configuration)?;
-        self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
-        (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
-        let inverse = self.inverse.as_deref_mut().expect("a step has begun");
-        let (report, mut found) = ready.solve(fixed, inverse, monitor)?;
-        let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
-        self.cost.krylov = report;
-        self.cost.stages = std::mem::take(&mut workspace.work.stages);
-        let constraints = found.global_unknowns.split_off(fixed.mean_flow.unknowns::<D>());
-        let mut multipliers = vec![Vec::new(); configuration.centers.len()];
-        if fixed.method.on_surfaces() {
-            let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
-            if fixed.method.jumps() {
-                multipliers.clone_from(&last.multipliers);
-            }
-            let (past, before) = ExtrapolationHistory::then(self.guess.take(), last, guess, configuration.time);
-            (self.guess, self.guess_before) = (Some(past), before.or(self.guess_before.take()));
-        }
-        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, &configuration)?;
-        drop(bodies);
-        solution.contact_forces.iter_mut().for_each(|force| *force /= factor);
-        self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
-        (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
-        let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
-        let spin_ups = momentum.complete(&mut solution.bodies);
-        let twists = solution.bodies.iter().map(|state| state.twist).collect();
-        let (time, centers) = (configuration.time, configuration.centers.to_vec());
-        let last = &self.past[0].0;
-        let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
-        let slow = slowed(&last.slow, (before, &multipliers), lag);
-        let resolved = self.past[0].0.resolved.clone();
-        let mut impulses = vec![SVector::zeros(); centers.len()];
-        let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
-        for (body, push) in contacts.flat_map(|(row, force)| row.wrenches(force * weights.step)) {
-            impulses[body] += push.direction;
-        }
-        let fluid = solution.fluid.copied()?;
-        self.current = Some(Level { time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved });
-        self.forget_surroundings();
-        Ok(solution)
     }
 }

@@ -91,23 +91,7 @@ pub fn migrate<const D: usize>(
     if !peers.any(owners.iter().any(|&owner| owner != peers.rank())) {
         return;
     }
-    let mut bodies = Vec::with_capacity(owners.len());
-    let mut letters = vec![Vec::new(); peers.count()];
-    for (place, &owner) in owners.iter().enumerate() {
-        let (number, body, constants) = (numbers[place], state.bodies[place], constants[place]);
-        if owner == peers.rank() {
-            bodies.push((number, body, constants));
-        } else {
-            letters[owner].push(number as f64);
-            letters[owner].extend(body.pack());
-            letters[owner].extend(constants.pack());
-        }
-    }
-    for record in peers.deliver(&letters).chunks(1 + Moving::<D>::LENGTH + Constants::<D>::LENGTH) {
-        let (body, constants) = record[1..].split_at(Moving::<D>::LENGTH);
-        bodies.push((record[0] as usize, Moving::unpack(body), Constants::unpack(constants)));
-    }
-    bodies.sort_unstable_by_key(|&(number, ..)| number);
+    let bodies = exchanged(peers, numbers, &owners, &state.bodies, constants);
 
     let now: Vec<usize> = bodies.iter().map(|&(number, ..)| number).collect();
     let owner_of = |number: usize| numbers.binary_search(&number).ok().map(|place| owners[place]);
@@ -126,6 +110,34 @@ pub fn migrate<const D: usize>(
         (held.into_iter().map(ContactHistory::from).collect(), stuck.into_iter().map(AdhesiveContact::from).collect());
     state.share = Share::Own { numbers: now, count: *count };
     (state.bodies, *constants) = bodies.into_iter().map(|(_, body, constants)| (body, constants)).unzip();
+}
+
+/// The bodies that this rank has once each was sent to its owner, by their numbers. Collective.
+fn exchanged<const D: usize>(
+    peers: Peers,
+    numbers: &[usize],
+    owners: &[usize],
+    moving: &[Moving<D>],
+    constants: &[Constants<D>],
+) -> Vec<(usize, Moving<D>, Constants<D>)> {
+    let mut bodies = Vec::with_capacity(owners.len());
+    let mut letters = vec![Vec::new(); peers.count()];
+    for (place, &owner) in owners.iter().enumerate() {
+        let (number, body, constants) = (numbers[place], moving[place], constants[place]);
+        if owner == peers.rank() {
+            bodies.push((number, body, constants));
+        } else {
+            letters[owner].push(number as f64);
+            letters[owner].extend(body.pack());
+            letters[owner].extend(constants.pack());
+        }
+    }
+    for record in peers.deliver(&letters).chunks(1 + Moving::<D>::LENGTH + Constants::<D>::LENGTH) {
+        let (body, constants) = record[1..].split_at(Moving::<D>::LENGTH);
+        bodies.push((record[0] as usize, Moving::unpack(body), Constants::unpack(constants)));
+    }
+    bodies.sort_unstable_by_key(|&(number, ..)| number);
+    bodies
 }
 
 /// Where bodies are after they went to the ranks that own their places.

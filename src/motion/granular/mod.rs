@@ -26,7 +26,7 @@ use self::{
 };
 use super::{
     step_control::{BodyMotion, StepControl, StepLimits},
-    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper},
+    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
 use crate::{
@@ -34,7 +34,7 @@ use crate::{
     contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
     error::{Error, Result},
     geometry::{Ball, Domain},
-    interaction::{Arrangement, Interactions, Touch, Wrench},
+    interaction::{Arrangement, Interactions, Touch},
     mechanics::{GivenPlace, Moving, ResidualMonitor, State},
     parallel::Peers,
     petsc::{Session, Stage, enter},
@@ -191,9 +191,9 @@ impl<const D: usize> Granular<D> {
         // nobody looks beyond the own bodies where nothing acts at a distance
         let peers = if self.reach > 0.0 { self.peers() } else { Peers::Alone };
         let near = self.neighbours(peers, state, &[]);
-        let arrangement = near.arrangement(&self.domain, self.reach);
-        let (contacts, others) = (self.interactions.contact_forces(&arrangement), self.interactions.pair_forces(&arrangement));
-        let pushes = Wrench::on_bodies(near.halo.len(), &contacts, &others);
+        let arrangement = near.arrangement(&self.domain, self.reach, state.time);
+        let forces = self.interactions.forces(&arrangement);
+        let (pushes, contacts) = (forces.on_bodies(near.halo.len(), &[]), forces.contacts);
         let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
         let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
         let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
@@ -230,7 +230,8 @@ impl<const D: usize> Granular<D> {
         )?;
         let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
         let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
-        let arrangement = Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0 };
+        let arrangement =
+            Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0, time: state.time };
         let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
         let remembered = migration::remembered(peers, &found, &state.stuck, remember);
         Ok((found, remembered))
@@ -347,13 +348,35 @@ impl<const D: usize> Granular<D> {
         pulls
     }
 
+    /// Kinetic energy of own bodies that forces move, with these motions.
+    fn kinetic_energy(&self, twists: &[Twist<D>]) -> f64 {
+        let of_body = |(own, twist): (&Constants<D>, &Twist<D>)| {
+            // a skew matrix has each component of the spin twice
+            let turning = 0.5 * own.inertia * twist.spin.norm_squared();
+            0.5 * (own.mass * twist.velocity.norm_squared() + turning)
+        };
+        self.bodies.iter().zip(twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum()
+    }
+
+    /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
+    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
+        let mut places: Vec<_> =
+            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
+        for (number, displacement) in self.trajectories.displacements(time) {
+            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
+                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
+            }
+        }
+        places
+    }
+
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
         if !self.peers().any(!state.stuck.is_empty()) {
             return Vec::new();
         }
         let near = self.neighbours(self.peers(), state, &state.stuck);
-        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach), &near.stuck, step);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.stuck, step);
         near.own_contacts(bounds)
     }
 }
@@ -363,32 +386,17 @@ fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
 }
 
 impl<const D: usize> Stepper<D> for Granular<D> {
-    fn radii(&self) -> &[f64] {
-        &self.radii
+    fn view(&self) -> StepperView<'_, D> {
+        let twists_now = Some(&self.known.twists[..]).filter(|twists| twists.len() == self.bodies.len());
+        StepperView { radii: &self.radii, interactions: &self.interactions, twists_now, flow: None }
     }
 
     fn free(&self) -> Vec<bool> {
         self.bodies.iter().map(|body| body.mass.is_finite()).collect()
     }
 
-    fn twists_now(&self) -> Option<&[Twist<D>]> {
-        Some(&self.known.twists).filter(|twists| twists.len() == self.bodies.len()).map(Vec::as_slice)
-    }
-
-    fn kinetic_energy(&self) -> Option<f64> {
-        let of_body = |(own, twist): (&Constants<D>, &Twist<D>)| {
-            // a skew matrix has each component of the spin twice
-            let turning = 0.5 * own.inertia * twist.spin.norm_squared();
-            0.5 * (own.mass * twist.velocity.norm_squared() + turning)
-        };
-        Some(self.bodies.iter().zip(&self.known.twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum())
-    }
-
-    fn interactions(&self) -> &Interactions<D> {
-        &self.interactions
-    }
-
-    fn migrate(&mut self, state: &mut State<D>, domain: &Domain<D>) {
+    fn settle(&mut self, state: &mut State<D>, domain: &Domain<D>) {
+        state.place_given(self.given_places(state.time).into_iter());
         let peers = Peers::from(self.session.world());
         migration::migrate(peers, domain, &self.regions, state, &mut self.bodies);
         self.known.twists.clear();
@@ -417,6 +425,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
         let limits = StepLimits { stable, tried: longest };
         let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
+        let kinetic_energy = Some(self.kinetic_energy(&twists));
         Ok(Observation {
             twists,
             contacts: Vec::new(),
@@ -424,19 +433,9 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             solution: None,
             step_size,
             passed: 0.0,
+            kinetic_energy,
             effort: Effort::default(),
         })
-    }
-
-    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
-        let mut places: Vec<_> =
-            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
-        for (number, displacement) in self.trajectories.displacements(time) {
-            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
-                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
-            }
-        }
-        places
     }
 
     fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {

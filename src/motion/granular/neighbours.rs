@@ -39,9 +39,10 @@ impl<const D: usize> Neighbours<D> {
         Neighbours { balls: halo.spread_balls(peers, &balls), masses: halo.spread(peers, masses), stuck, halo }
     }
 
-    /// They as interactions see them.
-    pub fn arrangement<'a>(&'a self, domain: &'a Domain<D>, reach: f64) -> Arrangement<'a, D> {
-        Arrangement { domain, numbers: Some(self.halo.numbers()), balls: &self.balls, weights: &self.masses, viscosity: None, reach }
+    /// They as interactions see them at a time.
+    pub fn arrangement<'a>(&'a self, domain: &'a Domain<D>, reach: f64, time: f64) -> Arrangement<'a, D> {
+        let numbers = Some(self.halo.numbers());
+        Arrangement { domain, numbers, balls: &self.balls, weights: &self.masses, viscosity: None, reach, time }
     }
 
     /// Those of the contacts that concern an own body; bodies are named by their numbers.

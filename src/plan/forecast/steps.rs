@@ -39,6 +39,7 @@ struct SampledStep {
     /// Steps that a finer grid takes for it.
     finer: f64,
     seconds: [f64; 2],
+    cost: Cost,
 }
 
 /// Takes steps of a sample whose cells are some times as long as those of its scene. Collective.
@@ -63,18 +64,19 @@ pub fn sampled_steps<const D: usize>(session: &Session, sample: Setup<D>, time: 
     };
     let later = &taken[taken.len() / 2..];
     let mean = |part: usize| later.iter().map(|step| step.seconds[part]).sum::<f64>() / later.len() as f64;
-    let cost = *simulation.suspension().expect("a fluid flows").cost();
+    let cost = last.cost;
     Ok(SampledSteps { cost, setup, taken: taken.len(), seconds: [mean(0), mean(1)], steps })
 }
 
 fn step<const D: usize>(session: &Session, simulation: &mut Simulation<D>, step: Step, coarser: f64) -> Result<SampledStep> {
     let start = Instant::now();
     let observation = simulation.evaluate(&mut |_, _| {})?;
-    let longest = flow(simulation).longest_step(&[])?;
+    let longest = flow(simulation).evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(&[]))?;
+    let cost = observation.solution.as_ref().expect("a fluid flows").cost;
     let length = simulation.step(&observation, &mut |_, _| {})?.length;
     let times = if step == Step::Auto { (coarser * length / longest).max(1.0).log2().ceil().exp2() } else { 1.0 };
-    let seconds = [start.elapsed().as_secs_f64(), flow(simulation).cost().stages.bodies];
-    Ok(SampledStep { length, finer: times, seconds: seconds.map(|seconds| session.world().max(seconds)) })
+    let seconds = [start.elapsed().as_secs_f64(), cost.stages.bodies];
+    Ok(SampledStep { length, finer: times, seconds: seconds.map(|seconds| session.world().max(seconds)), cost })
 }
 
 fn flow<const D: usize>(simulation: &Simulation<D>) -> &dyn FlowSolver<D> {

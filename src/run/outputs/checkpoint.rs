@@ -18,7 +18,7 @@ use crate::{
     motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     parallel::World,
-    petsc::Vector,
+    petsc::{Session, Vector},
     run::{BeforeStep, Output, RunStatistics},
 };
 
@@ -56,7 +56,7 @@ impl CheckpointFile {
         writer.text(STATISTICS, &world.broadcast(0, &before.statistics.text()))?;
         store_state(&mut writer, world, simulation)?;
         if let Some(suspension) = simulation.suspension() {
-            store_history(&mut writer, suspension.grid(), &suspension.history_before(simulation.state().time))?;
+            store_history(&mut writer, suspension.grid(), &suspension.history(simulation.state().time))?;
         }
         writer.finish()
     }
@@ -81,7 +81,8 @@ impl<const D: usize> Output<D> for CheckpointFile {
 pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
     let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
     let state = read_state(world, checkpoint, simulation.state().count())?;
-    let history = simulation.suspension().map(|suspension| read_history(checkpoint, suspension, state.steps)).transpose()?;
+    let read = |suspension| read_history(checkpoint, simulation.session(), suspension, state.steps);
+    let history = simulation.suspension().map(read).transpose()?;
     simulation.restore(state, history.unwrap_or_default())?;
     Ok(statistics)
 }
@@ -93,13 +94,18 @@ fn store_history<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, 
 }
 
 /// The history of a solver after so many steps.
-fn read_history<const D: usize>(checkpoint: &Checkpoint, suspension: &dyn FlowSolver<D>, steps: usize) -> Result<History<D>> {
-    let shape = suspension.history_shape();
-    let fluid = shape.fluid.then(|| suspension.fluid_vector()).transpose()?;
+fn read_history<const D: usize>(
+    checkpoint: &Checkpoint,
+    session: &Session,
+    suspension: &dyn FlowSolver<D>,
+    steps: usize,
+) -> Result<History<D>> {
+    let (shape, grid) = (suspension.history(0.0).shape, suspension.grid());
+    let fluid = || Vector::new(session, grid.local_fluid_unknowns());
     let (names, bodies) = (|most: usize| LEVELS[..steps.min(most)].iter(), suspension.setup().bodies.len());
     Ok(History {
-        past: read_past(checkpoint, suspension.grid(), fluid.as_ref())?,
-        levels: names(shape.levels).map(|name| read_level(checkpoint, suspension, &shape.multipliers, name)).collect::<Result<_>>()?,
+        past: read_past(checkpoint, grid, shape.fluid.then(fluid).transpose()?.as_ref())?,
+        levels: names(shape.levels).map(|name| read_level(checkpoint, grid, fluid()?, &shape.multipliers, name)).collect::<Result<_>>()?,
         mesh_levels: names(shape.mesh_levels).map(|name| read_mesh_level(checkpoint, bodies, name)).collect::<Result<_>>()?,
     })
 }
@@ -141,13 +147,13 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
 
 fn read_level<const D: usize>(
     checkpoint: &Checkpoint,
-    suspension: &dyn FlowSolver<D>,
+    grid: &Grid<D>,
+    mut fluid: Vector,
     multipliers: &[usize],
     name: &str,
 ) -> Result<Level<D>> {
-    let mut fluid = suspension.fluid_vector()?;
-    read_fluid(checkpoint, suspension.grid(), name, &mut fluid)?;
-    let bodies = suspension.setup().bodies.len();
+    read_fluid(checkpoint, grid, name, &mut fluid)?;
+    let bodies = multipliers.len();
     let numbers = |what: &str, width: usize| {
         let found = checkpoint.shared(&format!("{name}_{what}"))?;
         if found.len() == bodies * width { Ok(found) } else { Err(misfit(what)) }

@@ -87,7 +87,7 @@ impl<const D: usize> Output<D> for ForcesFile<D> {
     fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
         let (Some(motion), Some(flow)) = (&seen.motion, &seen.flow) else { return Ok(()) };
         let state = motion.state();
-        let known = state.steps > 0 || !flow.solver.evolves();
+        let known = state.steps > 0 || flow.solver.evolution().is_none();
         let mut row = vec![count("step", state.steps), real("time", state.time)];
         row.extend(self.bodies.iter().flat_map(|&body| self.cells(flow, body, known)));
         seen.world.agree(self.table.as_mut().map_or(Ok(()), |table| table.write(&row)))

@@ -12,11 +12,13 @@ use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::Result,
+    grid::Grid,
     linalg::ROUNDING,
     mechanics::State,
     motion::Simulation,
     output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
     parallel::World,
+    petsc::Vector,
     run::{Evaluated, EvaluatedMotion, Output},
     scene::{ContactModel, Scene},
 };
@@ -51,7 +53,8 @@ impl<const D: usize> FrameFiles<D> {
             }
         };
         let suspension = simulation.suspension().filter(|_| scene.stores_fields());
-        let fields = suspension.map(|flow| FlowFields::new(scene, flow.grid(), &flow.fluid_vector()?)).transpose()?;
+        let fluid = |grid: &Grid<D>| Vector::new(simulation.session(), grid.local_fluid_unknowns());
+        let fields = suspension.map(|flow| FlowFields::new(scene, flow.grid(), &fluid(flow.grid())?)).transpose()?;
         let (folder, eager) = (folder.to_owned(), scene.output.every.is_some() && world.rank() == 0);
         Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, fields, contact: scene.contact.model })
     }

@@ -22,7 +22,7 @@ pub fn mean_motion<const D: usize>(seen: &Evaluated<D>, motion: &EvaluatedMotion
     if let Some(mean) = body_velocity(seen.world, motion) {
         cells.extend((0..D).map(|axis| real(BODY_VELOCITY[axis], mean[axis])));
     }
-    if let Some(energy) = motion.simulation.kinetic_energy() {
+    if let Some(energy) = motion.observation.kinetic_energy {
         let mut sum = [energy];
         motion.state().peers(seen.world).sum(&mut sum);
         cells.push(real("kinetic_energy", sum[0]));

@@ -11,7 +11,7 @@ use super::step_table::StepTable;
 use crate::{
     contact::Solver,
     error::Result,
-    mechanics::State,
+    mechanics::{EvolutionOnGrid, State},
     motion::Simulation,
     observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Viscosity, mean_orientation},
     output::{CurvePoint, InertiaSummary, Summary},
@@ -59,7 +59,8 @@ impl<const D: usize> Output<D> for SeriesFile {
     fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
         if let Some(flow) = &seen.flow {
             let start = seen.motion.is_none_or(|motion| motion.state().steps == 0);
-            let (solver, layer) = (flow.solver, flow.solver.thinnest_layer()?.filter(|layer| layer.is_finite()));
+            let (solver, evolution) = (flow.solver, flow.solver.evolution_on_grid());
+            let layer = evolution.map_or(Ok(None), EvolutionOnGrid::thinnest_layer)?.filter(|layer| layer.is_finite());
             let numbers = InertialNumbers::of(solver.setup(), solver.grid(), flow.solution, start)?;
             summary.inertia = numbers.map(|numbers| InertiaSummary::new(numbers, layer, solver.grid().spacing().max()));
         }
@@ -72,14 +73,15 @@ impl<const D: usize> Output<D> for SeriesFile {
 fn of_inertia<const D: usize>(flow: &EvaluatedFlow<D>, state: &State<D>) -> Result<Vec<Cell>> {
     let (setup, grid) = (flow.solver.setup(), flow.solver.grid());
     let Some(numbers) = InertialNumbers::of(setup, grid, flow.solution, state.steps == 0)? else { return Ok(Vec::new()) };
+    let evolution = flow.solver.evolution_on_grid();
     let cells = [
         ("kinetic_energy", numbers.kinetic_energy),
         ("reynolds", numbers.reynolds),
         ("stokes", numbers.stokes),
         ("courant", numbers.courant(grid, state.last_step)),
-        ("momentum_residual", flow.solver.momentum_residual()),
+        ("momentum_residual", evolution.map_or(0.0, EvolutionOnGrid::momentum_residual)),
     ];
-    let layer = flow.solver.thinnest_layer()?.map(|layer| finite("boundary_layer", layer));
+    let layer = evolution.map_or(Ok(None), EvolutionOnGrid::thinnest_layer)?.map(|layer| finite("boundary_layer", layer));
     Ok(cells.into_iter().map(|(name, value)| real(name, value)).chain(layer).collect())
 }
 

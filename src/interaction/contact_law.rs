@@ -1,0 +1,53 @@
+//! What an interaction says of contacts: how they are noticed, how rough surfaces are, and what is remembered of them.
+
+use std::fmt::Debug;
+
+use super::{Arrangement, Friction};
+use crate::contact::{AdhesiveContact, ContactForce};
+
+/// How bodies notice that they touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Touch {
+    /// Velocities are projected on those with which nothing overlaps at the end of a step.
+    Hard,
+    /// Forces push bodies apart, which may overlap a little.
+    Soft {
+        /// Overlap, in radii, at which they are too weak.
+        overlap: f64,
+        /// What to do then.
+        remedy: &'static str,
+    },
+}
+
+/// A law of contact, or a part of one.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ContactLaw<'a, const D: usize> {
+    /// How bodies notice contact by it, if they do.
+    pub touch: Option<Touch>,
+    /// Friction at contacts, if there is any.
+    pub friction: Option<Friction>,
+    /// What contacts remember, if they do.
+    pub memory: Option<&'a dyn ContactMemory<D>>,
+}
+
+/// What contacts remember from step to step.
+pub trait ContactMemory<const D: usize>: Debug {
+    /// Contacts that may pull, each with the least force that it may bear for a step, a negative number; sorted by
+    /// [`Contact::identity`](crate::contact::Contact::identity).
+    fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[AdhesiveContact<D>], step: f64) -> Vec<ContactForce<D>>;
+
+    /// What is remembered after a step with these contact forces.
+    fn remember(
+        &self,
+        arrangement: &Arrangement<D>,
+        memory: &[AdhesiveContact<D>],
+        forces: &[ContactForce<D>],
+        step: f64,
+    ) -> Vec<AdhesiveContact<D>>;
+}
+
+impl<const D: usize> From<Touch> for ContactLaw<'_, D> {
+    fn from(touch: Touch) -> Self {
+        ContactLaw { touch: Some(touch), ..ContactLaw::default() }
+    }
+}

@@ -1,0 +1,192 @@
+//! Laws of contact and forces that are registered from outside, by what the library gives to anybody.
+
+use nalgebra::{Matrix2, SMatrix, Vector2};
+use turbid::{
+    body::{Motion, Twist},
+    contact::{Contact, ContactForce},
+    geometry::{Axis, Ball, Domain},
+    interaction::{Arrangement, ContactLaw, Forces, Inelastic, Interaction, Interactions, Touch, Wrench},
+    mechanics::Suspension,
+    motion::{GranularBody, GranularSetup, Simulation},
+    petsc::Session,
+    scene::{Scheme, Step, TimeSection},
+};
+
+use crate::{
+    Test,
+    conformance::{conforms, setup, stepper_conforms},
+};
+
+/// The tests of this file.
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(a_linear_law_of_contact_bounces_in_half_a_period_of_its_spring),
+        Test::of(a_random_force_moves_dry_bodies_as_the_sum_of_its_impulses_does),
+        Test::of(a_random_force_moves_bodies_in_a_flow_as_given_forces_do),
+        Test::of(a_random_force_is_the_same_after_a_restart),
+    ]
+}
+
+/// A force in proportion to the overlap.
+#[derive(Debug)]
+struct Linear {
+    stiffness: f64,
+}
+
+impl<const D: usize> Interaction<D> for Linear {
+    fn name(&self) -> &'static str {
+        "linear contact"
+    }
+
+    fn describe(&self) -> String {
+        format!("force over overlap {}", self.stiffness)
+    }
+
+    fn contact(&self) -> ContactLaw<'_, D> {
+        Touch::Soft { overlap: 0.1, remedy: "raise the stiffness" }.into()
+    }
+
+    fn steepest(&self, _: f64) -> f64 {
+        self.stiffness
+    }
+
+    fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
+        let force = |contact: Contact<D>| ContactForce { contact, force: -self.stiffness * contact.gap };
+        let contacts = arrangement.near(0.0).into_iter().filter(|contact| contact.gap < 0.0).map(force).collect();
+        Forces { contacts, ..Forces::default() }
+    }
+}
+
+/// A force of this size on each body, in a direction that body, time and seed decide, and a torque.
+#[derive(Debug, Clone, Copy)]
+struct Noise {
+    seed: u64,
+    force: f64,
+}
+
+impl Noise {
+    /// A number from 0 to 1 that nothing but the arguments decides (splitmix64).
+    fn draw(&self, body: usize, time: f64) -> f64 {
+        let mut bits = self.seed ^ time.to_bits().wrapping_add((body as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        for (shift, factor) in [(30, 0xbf58_476d_1ce4_e5b9), (27, 0x94d0_49bb_1331_11eb)] {
+            bits = (bits ^ (bits >> shift)).wrapping_mul(factor);
+        }
+        (bits ^ (bits >> 31)) as f64 / u64::MAX as f64
+    }
+
+    fn wrench(&self, body: usize, time: f64) -> Wrench<2> {
+        let (sin, cos) = (std::f64::consts::TAU * self.draw(body, time)).sin_cos();
+        let torque = 0.1 * self.force * cos;
+        Wrench { force: Vector2::new(cos, sin) * self.force, torque: Matrix2::new(0.0, -torque, torque, 0.0) }
+    }
+}
+
+impl Interaction<2> for Noise {
+    fn name(&self) -> &'static str {
+        "noise"
+    }
+
+    fn describe(&self) -> String {
+        format!("random forces of {}", self.force)
+    }
+
+    fn forces(&self, arrangement: &Arrangement<2>) -> Forces<2> {
+        let single = (0..arrangement.balls.len()).map(|place| (place, self.wrench(arrangement.number(place), arrangement.time)));
+        Forces { single: single.collect(), ..Forces::default() }
+    }
+}
+
+const NOISE: Noise = Noise { seed: 7, force: 0.5 };
+
+fn dry(session: &Session, interactions: Interactions<2>, bodies: &[([f64; 2], [f64; 2])], time: TimeSection) -> Simulation<2> {
+    let body = |&(center, velocity): &([f64; 2], [f64; 2])| GranularBody {
+        radius: 0.5,
+        center: center.into(),
+        twist: Twist { velocity: velocity.into(), spin: SMatrix::zeros() },
+        mass: 2.0,
+        inertia: 0.25,
+        acceleration: Vector2::zeros(),
+        spin_up: SMatrix::zeros(),
+    };
+    let domain = Domain { size: Vector2::new(9.0, 7.0), axes: [Axis::Periodic; 2] };
+    let setup = GranularSetup { domain, bodies: bodies.iter().map(body).collect(), trajectories: Default::default(), interactions };
+    Simulation::granular(session, setup, time)
+}
+
+fn fixed(step: f64, end: f64, scheme: Scheme) -> TimeSection {
+    TimeSection { step: Step::Fixed(step), end, scheme, travel: 0.1, error: 1e-3, until: None }
+}
+
+fn run(simulation: &mut Simulation<2>) {
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+}
+
+/// Two bodies of mass 2 touch for half a period of a spring between masses of which the reduced one is 1, however fast they meet.
+fn a_linear_law_of_contact_bounces_in_half_a_period_of_its_spring(session: &Session) {
+    conforms(session, &Linear { stiffness: 3.0 });
+    let (stiffness, speed, gap, end) = (400.0_f64, 0.2, 0.1, 0.8);
+    let pair = [([3.0, 3.0], [speed, 0.0]), ([4.0 + gap, 3.0], [-speed, 0.0])];
+    let interactions = Interactions::default().with(Linear { stiffness });
+    let mut simulation = dry(session, interactions, &pair, fixed(0.002, end, Scheme::TwoStep));
+    run(&mut simulation);
+    let state = simulation.whole_state();
+    let apart = (state.bodies[1].center - state.bodies[0].center).norm() - 1.0;
+    let touching = std::f64::consts::PI / stiffness.sqrt();
+    let expected = 2.0 * speed * (end - gap / (2.0 * speed) - touching);
+    // a step ends where contact does or up to a step later, by which the bounce is late
+    assert!((apart - expected).abs() < 2.0 * speed * 0.002, "{apart} and {expected}");
+    assert!((state.bodies[0].twist.velocity[0] + speed).abs() < 5e-3 * speed, "{}", state.bodies[0].twist.velocity);
+}
+
+/// On any number of ranks, as nothing but body and time decides the force.
+fn a_random_force_moves_dry_bodies_as_the_sum_of_its_impulses_does(session: &Session) {
+    let (step, steps) = (0.01, 20);
+    let bodies = [([1.2, 1.1], [0.0; 2]), ([5.4, 1.6], [0.1, 0.0]), ([2.2, 5.3], [0.0; 2]), ([7.6, 5.0], [0.0, -0.1])];
+    let mut simulation = dry(session, Interactions::default().with(NOISE), &bodies, fixed(step, step * f64::from(steps), Scheme::Euler));
+    let mut velocities: Vec<Vector2<f64>> = bodies.iter().map(|(_, velocity)| (*velocity).into()).collect();
+    while !simulation.over() {
+        let time = simulation.state().time;
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let length = simulation.step(&observation, &mut |_, _| {}).unwrap().length;
+        velocities.iter_mut().enumerate().for_each(|(body, velocity)| *velocity += NOISE.wrench(body, time).force * (length / 2.0));
+    }
+    for (body, velocity) in simulation.whole_state().bodies.iter().zip(&velocities) {
+        assert!((body.twist.velocity - velocity).norm() < 1e-14, "{} and {velocity}", body.twist.velocity);
+    }
+    let moved = |(velocity, body): (&Vector2<f64>, &([f64; 2], [f64; 2]))| (velocity - Vector2::from(body.1)).norm();
+    assert!(velocities.iter().zip(&bodies).map(moved).fold(0.0, f64::max) > 1e-3, "the force moves nothing");
+}
+
+fn a_random_force_moves_bodies_in_a_flow_as_given_forces_do(session: &Session) {
+    let twists = |setup| {
+        let solution = Suspension::new(session, setup).unwrap().solve(&mut |_, _| {}).unwrap();
+        solution.bodies.iter().map(|body| body.twist).collect::<Vec<_>>()
+    };
+    let mut given = setup(Interactions::default());
+    for (body, suspended) in given.bodies.iter_mut().enumerate() {
+        let Wrench { force, torque } = NOISE.wrench(body, 0.0);
+        suspended.body.motion = Motion::Free { force, torque };
+    }
+    let balls: Vec<Ball<2>> = given.bodies.iter().map(|suspended| suspended.body.ball).collect();
+    let (by_noise, by_force) = (twists(setup(Interactions::default().with(NOISE))), twists(given));
+    let still = twists(setup(Interactions::default()));
+    let largest = |one: &[Twist<2>], other: &[Twist<2>]| {
+        let apart = |((one, other), ball): ((&Twist<2>, &Twist<2>), &Ball<2>)| {
+            (one.velocity - other.velocity).norm() + ball.radius * (one.spin - other.spin).norm()
+        };
+        one.iter().zip(other).zip(&balls).map(apart).fold(0.0, f64::max)
+    };
+    assert!(largest(&by_noise, &by_force) < 1e-8 && largest(&by_noise, &still) > 1e-3, "{by_noise:?} and {by_force:?}");
+}
+
+fn a_random_force_is_the_same_after_a_restart(session: &Session) {
+    let start = || {
+        let interactions = Interactions::default().with(NOISE).with(Inelastic);
+        let suspension = Suspension::new(session, setup(interactions)).unwrap();
+        Simulation::flowing(session, Box::new(suspension), fixed(0.25, 1.5, Scheme::TwoStep))
+    };
+    stepper_conforms(&start, 1e-7);
+}
