@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     constraint::{
-        interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
+        interpolant::{Interpolant, NodeBox, PointWeights, Run, row_offsets, row_weights},
         placed::Placed,
         unknowns::Unknowns,
     },
@@ -47,7 +47,7 @@ pub struct Interpolated {
 impl<'a, const D: usize> Interpolation<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [JumpNodes<D>], jumps: &mut [Jumps]) -> Self {
-        let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
+        let interpolant = Interpolant { boxes: Vec::new(), weights: PointWeights::Even(Vec::new()), wall_values: Vec::new() };
         let mut found = Interpolation { grid, placed, nodes, met: Vec::new(), interpolant };
         let corners = found.find_corners();
         for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
@@ -66,13 +66,17 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     /// The first node of each point, component by component; fills in weights and what walls add.
     fn find_corners(&mut self) -> Vec<Vec<u32>> {
         let unknowns = Unknowns::of(self.placed.surface.modes.as_ref());
-        let mut corners = vec![Vec::new(); unknowns.components::<D>()];
+        let points = self.placed.surface.points();
+        let mut corners = vec![Vec::with_capacity(points); unknowns.components::<D>()];
+        let (mut parts, mut weights, mut at_wall) = (Vec::with_capacity(points), Vec::new(), false);
         for (point, offset) in self.placed.surface.offsets().enumerate() {
             let position = self.placed.center + offset;
             // the fields along the axis and the pressure have their points on faces and between them
             let lines: [_; D] =
                 std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, position[axis])));
-            self.interpolant.weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
+            parts.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.part)));
+            weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
+            at_wall |= lines.iter().flatten().any(|line| line.wall.is_some());
             for (component, corners) in corners.iter_mut().enumerate() {
                 let lattice = self.nodes[component].lattice;
                 let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != lattice)].index[0]);
@@ -82,6 +86,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
                 self.add_walls(point, &position);
             }
         }
+        self.interpolant.weights = if at_wall { PointWeights::AtWall(weights) } else { PointWeights::Even(parts) };
         corners
     }
 
@@ -150,9 +155,9 @@ impl<'a, const D: usize> Interpolation<'a, D> {
             for component in (0..components).filter(|&component| !jumps[component].is_empty()) {
                 let NodeBox { lattice, corners, .. } = &self.interpolant.boxes[component];
                 let corner = corners[point] as usize;
-                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != *lattice)]);
+                let weights = self.interpolant.weights.of(point, *lattice);
                 let mut found = 0;
-                for (offset, weight) in offsets[component].iter().zip(row_weights(weights)).take(NODES.pow(D as u32 - 1)) {
+                for (offset, weight) in offsets[component].iter().zip(row_weights(&weights)).take(NODES.pow(D as u32 - 1)) {
                     for (along, last) in weights[D - 1].iter().enumerate() {
                         let place = corner + offset + along;
                         terms[found] = (jumps[component].row(place), weight * last);
@@ -186,6 +191,7 @@ fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> V
     nodes.runs(grid, narrowed, |start, length, unknown| {
         runs.push(Run { start: start as u32, length: length as u32, unknown, place: 0 });
     });
+    runs.shrink_to_fit();
     runs
 }
 

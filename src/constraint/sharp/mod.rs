@@ -25,7 +25,6 @@ use super::{
     body::BodyBlocks,
     conservation::TERMS,
     dense::{KeptBlock, LocalBlock},
-    interpolant::StencilWeights,
     kept_values::{KeptValues, Precision},
     method::{Method, Size},
     placed::Surrounded,
@@ -142,7 +141,7 @@ pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(ball.radius, *order, grid.mean_spacing()) as f64;
     let rows = count * 2.0 * (D + 1) as f64 * surface;
-    precision.bytes() * (rows + LOCAL_BLOCKS * count * count) + points * D as f64 * (4.0 + 2.0 * size_of::<StencilWeights>() as f64)
+    precision.bytes() * (rows + LOCAL_BLOCKS * count * count) + points * D as f64 * 20.0
 }
 
 /// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component.

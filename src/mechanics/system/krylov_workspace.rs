@@ -41,7 +41,10 @@ impl KrylovWorkspace {
     pub fn fitting<const D: usize>(at_hand: Option<KrylovWorkspace>, fixed: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
         let fits = at_hand.as_ref().is_some_and(|workspace| workspace.work.sizes() == sizes);
         match at_hand.filter(|_| fixed.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
-            Some(workspace) => Ok(workspace),
+            Some(mut workspace) => {
+                workspace.work.renew(&fixed.stokes)?;
+                Ok(workspace)
+            }
             None => KrylovWorkspace::new(fixed, sizes),
         }
     }
