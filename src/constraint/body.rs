@@ -32,7 +32,10 @@ pub trait BodyBlocks<const D: usize> {
         None
     }
 
-    /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
+    /// Adds to what is read the part of `E c` that is to be projected on the modes with it, with the multipliers of all as this rank sees them.
+    fn add_at_points(&self, _all: Entries, _out: &mut [f64]) {}
+
+    /// `out += E c` but for that part, with the multipliers of this body and those of all as this rank sees them.
     fn add_local(&self, _own: &[f64], _all: Entries, _out: &mut [f64]) {}
 
     /// Spin-up `rho w' / mu` that a unit multiplier of rotation gives the body; none without inertia and for motion that is given.

@@ -10,8 +10,9 @@ use super::{
 };
 use crate::{
     constraint::{
+        dense::LocalBlock,
         interpolant::{Interpolant, NodeBox, PointWeights, Run, row_offsets, row_weights},
-        placed::Placed,
+        placed::{Neighbour, Placed},
         unknowns::Unknowns,
     },
     grid::{
@@ -38,7 +39,9 @@ pub struct Interpolation<'a, const D: usize> {
 /// Jumps interpolated at surface points: the rows (point and component) that meet any, and one value a mode for each.
 #[derive(Default)]
 pub struct Interpolated {
-    rows: Vec<usize>,
+    /// Whether blocks that meet few points are left as values there, to be projected with what is interpolated.
+    pub at_points: bool,
+    rows: Vec<u32>,
     /// Length of a row of `values`.
     stride: usize,
     values: Vec<f64>,
@@ -103,20 +106,20 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     }
 
     /// The transposed block of E of the body's own jumps.
-    pub fn own_block(&self, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<DMatrix<f64>> {
+    pub fn own_block(&self, body: usize, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<LocalBlock> {
         let met = |component: usize, place: usize| self.nodes[component].outside[place];
         self.interpolate(jumps, |_| true, met, interpolated);
-        interpolated.project(self.placed, self.placed.surface.modes.jump_count(), -1.0)
+        interpolated.block(self.placed, (body, self.placed), -1.0)
     }
 
     /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
     pub fn neighbour_block(
         &self,
-        neighbour: &Placed<D>,
+        (body, neighbour): &Neighbour<D>,
         core: f64,
         jumps: &mut [Jumps],
         interpolated: &mut Interpolated,
-    ) -> Option<DMatrix<f64>> {
+    ) -> Option<LocalBlock> {
         for ((nodes, met), jumps) in self.nodes.iter().zip(&self.met).zip(&mut *jumps) {
             jumps.turn_to(neighbour, nodes);
             nodes.inside(neighbour, |place| {
@@ -133,7 +136,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
         };
         let met = |component: usize, place: usize| jumps[component].has(place);
         self.interpolate(jumps, near, met, interpolated);
-        interpolated.project(self.placed, neighbour.surface.modes.jump_count(), 1.0)
+        interpolated.block(self.placed, (*body, neighbour), 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
@@ -204,31 +207,40 @@ impl Interpolated {
 
     fn add(&mut self, row: usize, jumps: &Jumps, terms: &[(u32, f64)]) {
         if !terms.is_empty() {
-            self.rows.push(row);
+            self.rows.push(row as u32);
             let start = self.values.len();
             self.values.resize(start + self.stride, 0.0);
             jumps.add(terms, &mut self.values[start..]);
         }
     }
 
-    /// The transposed block of E, times `sign`: `modes` of the body that has the jumps down, modes of the surface across.
-    fn project<const D: usize>(&self, placed: &Placed<D>, modes: usize, sign: f64) -> Option<DMatrix<f64>> {
-        if self.rows.is_empty() {
+    /// The block of E of the jumps of a body, times `sign`, transposed: its modes down; modes of the surface across, or the values that are met
+    /// if they are fewer.
+    fn block<const D: usize>(&self, placed: &Placed<D>, (body, of): (usize, &Placed<D>), sign: f64) -> Option<LocalBlock> {
+        let (met, modes) = (self.rows.len(), of.surface.modes.jump_count());
+        if met == 0 {
             return None;
         }
+        let values = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(&self.values, modes, met, 1, self.stride);
+        if self.at_points && met < placed.surface.modes.count() {
+            return Some(LocalBlock { body, transposed: values * sign, at_points: Some(self.rows.clone()) });
+        }
+        Some(LocalBlock { body, transposed: self.project(placed, &values, sign), at_points: None })
+    }
+
+    fn project<const D: usize>(&self, placed: &Placed<D>, values: &DMatrixView<f64, Dyn, Dyn>, sign: f64) -> DMatrix<f64> {
         let (projector, selected) = (placed.surface.projector(), &self.rows);
         let selection;
         let projector = if selected.len() == projector.ncols() {
             projector
         } else {
-            selection = projector.select_columns(selected);
+            selection = projector.select_columns(&selected.iter().map(|&row| row as usize).collect::<Vec<_>>());
             &selection
         };
         let count = projector.nrows();
         let transposed = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(projector.as_slice(), selected.len(), count, count, 1);
-        let values = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(&self.values, modes, selected.len(), 1, self.stride);
-        let mut block = DMatrix::zeros(modes, count);
-        block.gemm(sign, &values, &transposed, 0.0);
-        Some(block)
+        let mut block = DMatrix::zeros(values.nrows(), count);
+        block.gemm(sign, values, &transposed, 0.0);
+        block
     }
 }

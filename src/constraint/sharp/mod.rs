@@ -96,7 +96,7 @@ impl<const D: usize> AssembledBody<D> {
         workspace.values = rows.values;
         SharpBody {
             rows: KeptRows::new(rows.unknowns, kept),
-            local: local.iter().map(|block| KeptBlock::new(block, precision)).collect(),
+            local: local.into_iter().map(|block| KeptBlock::new(block, precision)).collect(),
             ..body
         }
     }
@@ -116,6 +116,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
 
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace::new(self.precision, memory);
+        workspace.interpolated.at_points = true;
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
             Box::new(assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]).kept(&mut workspace))
         };
@@ -162,12 +163,9 @@ pub fn assemble<const D: usize>(
     let interpolation = Interpolation::new(grid, placed, &nodes, jumps);
     let core = CORE * grid.spacing().max();
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
-    let own = interpolation.own_block(jumps, interpolated).map(|block| (*body, block));
-    let others = neighbours.iter().filter_map(|(other, neighbour)| {
-        let block = interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated)?;
-        Some((*other, block))
-    });
-    let local = own.into_iter().chain(others).map(|(body, transposed)| LocalBlock { body, transposed }).collect();
+    let own = interpolation.own_block(*body, jumps, interpolated);
+    let others = neighbours.iter().filter_map(|neighbour| interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated));
+    let local = own.into_iter().chain(others).collect();
     let field_ends = spreading.field_ends();
     let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), std::mem::take(values));
     let body = SharpBody {
