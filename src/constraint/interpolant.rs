@@ -4,6 +4,7 @@
 //! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
 
 use super::places::{Entries, Places};
+use crate::petsc::Index;
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
@@ -19,7 +20,7 @@ pub struct Run {
     /// Number of them.
     pub length: u32,
     /// First of them in fluid vectors.
-    pub unknown: usize,
+    pub unknown: Index,
     /// Once planned, its place.
     pub place: u32,
 }
@@ -80,7 +81,7 @@ impl<const D: usize> Interpolant<D> {
     /// Finds the places of the runs.
     pub fn plan(&mut self, places: &mut Places) {
         for run in self.boxes.iter_mut().flat_map(|nodes| &mut nodes.runs) {
-            run.place = places.of(run.unknown, run.length as usize);
+            run.place = places.of(run.unknown as usize, run.length as usize);
         }
     }
 

@@ -20,6 +20,7 @@ use crate::{
         interpolation::{self, NODES},
         stencil::Site,
     },
+    petsc::index,
 };
 
 /// Most nodes that interpolation takes at a point.
@@ -192,7 +193,7 @@ fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> V
     };
     let mut runs = Vec::new();
     nodes.runs(grid, narrowed, |start, length, unknown| {
-        runs.push(Run { start: start as u32, length: length as u32, unknown, place: 0 });
+        runs.push(Run { start: start as u32, length: length as u32, unknown: index(unknown), place: 0 });
     });
     runs.shrink_to_fit();
     runs

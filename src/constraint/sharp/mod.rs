@@ -93,12 +93,9 @@ impl<const D: usize> AssembledBody<D> {
         let AssembledBody { body, local, rows, field_ends, .. } = self;
         let (count, precision) = (body.surface.modes.count(), workspace.precision);
         let kept = KeptValues::of_rows(&rows.values, count, &field_ends, precision, &mut workspace.kept);
-        workspace.values = rows.values;
-        SharpBody {
-            rows: KeptRows::new(rows.unknowns, kept),
-            local: local.into_iter().map(|block| KeptBlock::new(block, precision)).collect(),
-            ..body
-        }
+        let (rows, values) = rows.with_values(kept);
+        workspace.values = values;
+        SharpBody { rows, local: local.into_iter().map(|block| KeptBlock::new(block, precision)).collect(), ..body }
     }
 }
 

@@ -150,7 +150,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
     /// All rows, from evaluated jumps, and what passes to walls; `values` is memory to use again. Behind the modes are values of sources,
     /// which have these moments in each component.
-    pub fn rows(mut self, jumps: &[Jumps], sources: &[Vec<[f64; TERMS]>], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
+    pub fn rows(self, jumps: &[Jumps], sources: &[Vec<[f64; TERMS]>], mut values: Vec<f64>) -> (Rows, Vec<OnWall>) {
         let (count, components) = (self.placed.surface.modes.jump_count(), self.placed.surface.modes.components());
         let cell_volume = self.grid.spacing().product();
         self.rows.evaluate(jumps, count, &mut values);
@@ -167,7 +167,6 @@ impl<'a, const D: usize> Spreading<'a, D> {
         }
         to_walls.iter_mut().for_each(|value| *value *= cell_volume);
         let on_walls = self.sum_on_walls(&to_walls, count);
-        self.unknowns.shrink_to_fit();
         (Rows::new(self.unknowns, values), on_walls)
     }
 
