@@ -127,50 +127,26 @@ impl<const D: usize> Blocks<D> {
 
     /// `out = J u`, this rank's multipliers, for a vector of the grid's unknowns that are zero on walls.
     pub fn interpolate(&mut self, u: &Vector, out: &mut [f64]) -> Result<()> {
-        self.interpolate_between(Walls::Still, u, out)
+        interpolate(&self.bodies, &mut self.read, (u, Walls::Still), None, out)
     }
 
     /// As [`interpolate`](Self::interpolate), for a velocity that is that of the moving walls there.
     pub fn interpolate_with_walls(&mut self, u: &Vector, out: &mut [f64]) -> Result<()> {
-        self.interpolate_between(Walls::Moving, u, out)
+        interpolate(&self.bodies, &mut self.read, (u, Walls::Moving), None, out)
     }
 
-    fn interpolate_between(&mut self, walls: Walls, u: &Vector, out: &mut [f64]) -> Result<()> {
-        let (others, own) = (self.read.fetch(u)?, u.local()?);
-        let u = Entries { own: &own, others };
-        let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
-        for alike in self
-            .bodies
-            .chunk_by(|body, next| body.rows().surface().zip(next.rows().surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other)))
-        {
-            let Some(surface) = alike[0].rows().surface() else {
-                let count = alike[0].count();
-                alike[0].read(u, walls, &mut scratch, &mut out[first..][..count]);
-                first += count;
-                continue;
-            };
-            let (rows, count) = (surface.projector().ncols(), surface.modes.count());
-            for bodies in alike.chunks(TOGETHER) {
-                values.resize(bodies.len() * rows, 0.0);
-                for (body, values) in bodies.iter().zip(values.chunks_exact_mut(rows)) {
-                    body.read(u, walls, &mut scratch, values);
-                }
-                DMatrixViewMut::from_slice(&mut out[first..][..bodies.len() * count], count, bodies.len()).gemm(
-                    1.0,
-                    surface.projector(),
-                    &DMatrixView::from_slice(&values, rows, bodies.len()),
-                    0.0,
-                );
-                let interiors =
-                    bodies.iter().zip(out[first..].chunks_exact_mut(count)).filter_map(|(body, out)| body.interior().zip(Some(out)));
-                interiors.for_each(|(interior, out)| interior.read_inside(u, out));
-                first += bodies.len() * count;
-            }
+    /// `out = J u + E c`, this rank's multipliers, for a vector of the grid's unknowns that are zero on walls.
+    pub fn velocity(&mut self, u: &Vector, c: &Vector, out: &mut [f64]) -> Result<()> {
+        let (others, own) = (self.multipliers.fetch(c)?, c.local()?);
+        let all = Entries { own: &own, others };
+        interpolate(&self.bodies, &mut self.read, (u, Walls::Still), Some(all), out)?;
+        for (body, range) in self.bodies.iter().zip(&self.ranges) {
+            body.add_local(&own[range.clone()], all, &mut out[range.clone()]);
         }
         Ok(())
     }
 
-    /// `out += E c`.
+    /// `out += E c`, for bodies all of whose blocks are projected on their modes.
     pub fn add_local(&mut self, c: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.multipliers.fetch(c)?, c.local()?);
         let all = Entries { own: &own, others };
@@ -239,4 +215,42 @@ impl<const D: usize> Blocks<D> {
             BodyRows::Own(inverse) => inverse.cloned(),
         }
     }
+}
+
+/// `out = J u`, with what of `E c` is projected with it if multipliers are given, of bodies that read entries of vectors of the grid.
+fn interpolate<const D: usize>(
+    bodies: &[Box<dyn BodyBlocks<D>>],
+    read: &mut Scatter,
+    (u, walls): (&Vector, Walls),
+    c: Option<Entries>,
+    out: &mut [f64],
+) -> Result<()> {
+    let (others, own) = (read.fetch(u)?, u.local()?);
+    let u = Entries { own: &own, others };
+    let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
+    let same = |body: &Box<dyn BodyBlocks<D>>, next: &Box<dyn BodyBlocks<D>>| {
+        body.rows().surface().zip(next.rows().surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other))
+    };
+    for alike in bodies.chunk_by(same) {
+        let Some(surface) = alike[0].rows().surface() else {
+            let count = alike[0].count();
+            alike[0].read(u, walls, &mut scratch, &mut out[first..][..count]);
+            first += count;
+            continue;
+        };
+        let (rows, count) = (surface.projector().ncols(), surface.modes.count());
+        for bodies in alike.chunks(TOGETHER) {
+            values.resize(bodies.len() * rows, 0.0);
+            for (body, values) in bodies.iter().zip(values.chunks_exact_mut(rows)) {
+                body.read(u, walls, &mut scratch, values);
+                c.into_iter().for_each(|c| body.add_at_points(c, values));
+            }
+            let (values, out) = (DMatrixView::from_slice(&values, rows, bodies.len()), &mut out[first..][..bodies.len() * count]);
+            DMatrixViewMut::from_slice(out, count, bodies.len()).gemm(1.0, surface.projector(), &values, 0.0);
+            let interiors = bodies.iter().zip(out.chunks_exact_mut(count)).filter_map(|(body, out)| body.interior().zip(Some(out)));
+            interiors.for_each(|(interior, out)| interior.read_inside(u, out));
+            first += bodies.len() * count;
+        }
+    }
+    Ok(())
 }

@@ -27,7 +27,10 @@ pub trait BodyBlocks<const D: usize> {
     /// What its rows are.
     fn rows(&self) -> BodyRows<'_, D>;
 
-    /// `out += E c`, with the multipliers of this body and those of all as this rank sees them.
+    /// Adds to what is read the part of `E c` that is to be projected on the modes with it, with the multipliers of all as this rank sees them.
+    fn add_at_points(&self, _all: Entries, _out: &mut [f64]) {}
+
+    /// `out += E c` but for that part, with the multipliers of this body and those of all as this rank sees them.
     fn add_local(&self, _own: &[f64], _all: Entries, _out: &mut [f64]) {}
 
     /// What moves inside it, with inertia.

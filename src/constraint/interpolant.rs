@@ -4,6 +4,7 @@
 //! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
 
 use super::places::{Entries, Places};
+use crate::petsc::Index;
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
@@ -19,7 +20,7 @@ pub struct Run {
     /// Number of them.
     pub length: u32,
     /// First of them in fluid vectors.
-    pub unknown: usize,
+    pub unknown: Index,
     /// Once planned, its place.
     pub place: u32,
 }
@@ -38,12 +39,40 @@ pub struct NodeBox<const D: usize> {
     pub corners: Vec<u32>,
 }
 
+/// The weights of the nodes of every point: for each axis, of nodes on its faces and of nodes between them.
+pub enum PointWeights<const D: usize> {
+    /// Nodes are equally spaced: where the point lies after the second of them, in spacings. The weights are made anew where they are used.
+    Even(Vec<[[f64; 2]; D]>),
+    /// Some nodes are points of a wall: the weights.
+    AtWall(Vec<[[StencilWeights; 2]; D]>),
+}
+
+impl<const D: usize> PointWeights<D> {
+    /// Along each axis those of one point, for a lattice whose own axis is given.
+    #[inline(always)]
+    pub fn of(&self, point: usize, lattice: usize) -> [StencilWeights; D] {
+        let kind = |axis: usize| usize::from(axis != lattice);
+        match self {
+            PointWeights::Even(parts) => std::array::from_fn(|axis| cubic_weights(parts[point][axis][kind(axis)])),
+            PointWeights::AtWall(weights) => std::array::from_fn(|axis| weights[point][axis][kind(axis)]),
+        }
+    }
+}
+
+/// Weights of four equally spaced nodes for a point this far, in spacings, after the second.
+#[inline(always)]
+fn cubic_weights(part: f64) -> StencilWeights {
+    let (first, third, fourth) = (part + 1.0, part - 1.0, part - 2.0);
+    let (before, after) = (first * part, third * fourth);
+    [part * after * (-1.0 / 6.0), first * after * 0.5, before * fourth * -0.5, before * third * (1.0 / 6.0)]
+}
+
 /// Interpolation at the points of a surface.
 pub struct Interpolant<const D: usize> {
     /// For each component.
     pub boxes: Vec<NodeBox<D>>,
-    /// For each point and axis, the weights of nodes on the faces of that axis and of nodes between them.
-    pub weights: Vec<[[StencilWeights; 2]; D]>,
+    /// Weights of the nodes.
+    pub weights: PointWeights<D>,
     /// What moving walls add to each component of each point; empty if no wall is near.
     pub wall_values: Vec<f64>,
 }
@@ -52,7 +81,7 @@ impl<const D: usize> Interpolant<D> {
     /// Finds the places of the runs.
     pub fn plan(&mut self, places: &mut Places) {
         for run in self.boxes.iter_mut().flat_map(|nodes| &mut nodes.runs) {
-            run.place = places.of(run.unknown, run.length as usize);
+            run.place = places.of(run.unknown as usize, run.length as usize);
         }
     }
 
@@ -66,9 +95,9 @@ impl<const D: usize> Interpolant<D> {
                 scratch[start as usize..][..length].copy_from_slice(&u.from(place)[..length]);
             }
             let offsets = row_offsets(nodes.strides);
-            for (point, (&corner, weights)) in nodes.corners.iter().zip(&self.weights).enumerate() {
-                let weights: [&_; D] = std::array::from_fn(|axis| &weights[axis][usize::from(axis != nodes.lattice)]);
-                out[point * self.boxes.len() + component] = interpolated(&scratch[corner as usize..], &offsets, weights);
+            for (point, &corner) in nodes.corners.iter().enumerate() {
+                let weights = self.weights.of(point, nodes.lattice);
+                out[point * self.boxes.len() + component] = interpolated(&scratch[corner as usize..], &offsets, &weights);
             }
         }
     }
@@ -81,12 +110,12 @@ pub fn row_offsets<const D: usize>(strides: [usize; D]) -> [usize; NODES * NODES
 
 /// Weights of the rows.
 #[inline(always)]
-pub fn row_weights<const D: usize>(weights: [&StencilWeights; D]) -> [f64; NODES * NODES] {
+pub fn row_weights<const D: usize>(weights: &[StencilWeights; D]) -> [f64; NODES * NODES] {
     std::array::from_fn(|row| (0..D - 1).map(|axis| weights[axis][(row >> (2 * axis)) % NODES]).product())
 }
 
 #[inline(always)]
-fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES], weights: [&StencilWeights; D]) -> f64 {
+fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES], weights: &[StencilWeights; D]) -> f64 {
     let mut sums = [0.0; NODES];
     let row_weights = row_weights(weights);
     for (offset, weight) in offsets.iter().zip(row_weights).take(NODES.pow(D as u32 - 1)) {
@@ -94,4 +123,18 @@ fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES],
         (0..NODES).for_each(|k| sums[k] += weight * row[k]);
     }
     (0..NODES).map(|k| sums[k] * weights[D - 1][k]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::lagrange;
+
+    #[test]
+    fn weights_made_anew_are_those_of_lagrange() {
+        for part in [-1.0, -0.3, 0.0, 0.25, 0.7, 1.0, 1.9] {
+            let (made, wanted) = (cubic_weights(part), lagrange(&[-1.0, 0.0, 1.0, 2.0], part));
+            made.iter().zip(wanted).for_each(|(made, wanted)| assert!((made - wanted).abs() < 1e-15, "{part}: {made} {wanted}"));
+        }
+    }
 }

@@ -4,13 +4,16 @@ use super::{
     kept_values::KeptValues,
     places::{EntriesMut, Places},
 };
-use crate::linalg::dot;
+use crate::{
+    linalg::dot,
+    petsc::{Index, index},
+};
 
 /// Rows, each with the unknown of the fluid to which it belongs.
 #[derive(Default)]
 pub struct Rows<V = Vec<f64>> {
     /// Indices in fluid vectors.
-    pub unknowns: Vec<usize>,
+    unknowns: Vec<Index>,
     /// Once planned, their places.
     pub places: Vec<u32>,
     /// Values, multipliers running fastest.
@@ -41,12 +44,22 @@ impl RowValues for KeptValues {
 impl<V: RowValues> Rows<V> {
     /// Rows of the given unknowns.
     pub fn new(unknowns: Vec<usize>, values: V) -> Rows<V> {
-        Rows { unknowns, places: Vec::new(), values }
+        Rows { unknowns: unknowns.into_iter().map(index).collect(), places: Vec::new(), values }
+    }
+
+    /// Indices in fluid vectors.
+    pub fn unknowns(&self) -> impl Iterator<Item = usize> {
+        self.unknowns.iter().map(|&unknown| unknown as usize)
+    }
+
+    /// The same rows with other values, and those that they had.
+    pub fn with_values<W>(self, values: W) -> (Rows<W>, V) {
+        (Rows { unknowns: self.unknowns, places: self.places, values }, self.values)
     }
 
     /// Finds the places of the unknowns.
     pub fn plan(&mut self, places: &mut Places) {
-        self.places = places.each(&self.unknowns);
+        self.places = self.unknowns().map(|unknown| places.of(unknown, 1)).collect();
     }
 
     /// Adds `factor * C c` to the rows of this rank and of others, with the multipliers `c` of the body; `scratch` may hold anything.

@@ -19,6 +19,8 @@ pub struct Line {
     coordinate: [f64; NODES],
     /// Weights.
     pub weight: [f64; NODES],
+    /// How far the point lies after the second node, in spacings.
+    pub part: f64,
     /// The node, if any, that lies on a wall between lattice points, and whether that is the upper one.
     pub wall: Option<(usize, bool)>,
 }
@@ -77,7 +79,7 @@ pub fn line<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -
     if let Some((node, upper)) = wall {
         coordinate[node] = if upper { cells as f64 * h } else { 0.0 };
     }
-    Line { index, coordinate, weight: lagrange(&coordinate, x), wall }
+    Line { index, coordinate, weight: lagrange(&coordinate, x), part: (x - coordinate[1]) / h, wall }
 }
 
 /// Two neighbouring nodes along one axis, between which a point lies.

@@ -53,9 +53,9 @@ pub struct SolvedUnknowns {
 /// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
 /// rank 0 the unknowns of the mean-flow constraint, then those of the rank's own links.
 pub struct WorkVectors {
-    /// Fluid vectors: unknowns and rows.
+    /// Unknowns of the fluid; where it is eliminated, its rows are turned into them in place. Empty from the end of a solve, which gives it away, to the next one.
     pub fluid_in: Vector,
-    /// See `fluid_in`.
+    /// Rows of the fluid; empty where it is eliminated.
     pub fluid_out: Vector,
     /// Vectors of the multipliers: unknowns and rows.
     pub multipliers_in: Vector,
@@ -64,6 +64,7 @@ pub struct WorkVectors {
     /// Seconds so far.
     pub stages: Stages,
     sizes: Sizes,
+    given_away: bool,
 }
 
 /// This rank's numbers of unknowns in the solver's vectors.
@@ -85,11 +86,12 @@ impl WorkVectors {
         let vector = || Vector::new(stokes.session(), sizes.multipliers);
         Ok(WorkVectors {
             fluid_in: stokes.vector()?,
-            fluid_out: stokes.vector()?,
+            fluid_out: if sizes.fluid > 0 { stokes.vector()? } else { Vector::new(stokes.session(), 0)? },
             multipliers_in: vector()?,
             multipliers_out: vector()?,
             stages: Stages::default(),
             sizes,
+            given_away: false,
         })
     }
 
@@ -124,9 +126,20 @@ impl WorkVectors {
         Ok(shared)
     }
 
-    /// What was split, with the velocities on surfaces in `multipliers_out`.
-    pub fn unknowns(&self, global_unknowns: Vec<f64>) -> Result<SolvedUnknowns> {
-        let fluid = self.fluid_in.copied()?;
+    /// Makes room for the fluid where the last solve gave it away.
+    pub fn renew<const D: usize>(&mut self, stokes: &Stokes<D>) -> Result<()> {
+        if self.given_away {
+            self.fluid_in = stokes.vector()?;
+            self.given_away = false;
+        }
+        Ok(())
+    }
+
+    /// Gives away what was split, with the velocities on surfaces in `multipliers_out`.
+    pub fn unknowns(&mut self, global_unknowns: Vec<f64>) -> Result<SolvedUnknowns> {
+        let none = Vector::new(self.fluid_in.session(), 0)?;
+        let fluid = std::mem::replace(&mut self.fluid_in, none);
+        self.given_away = true;
         let (multipliers, velocities) = (self.multipliers_in.local()?.to_vec(), self.multipliers_out.local()?.to_vec());
         Ok(SolvedUnknowns { fluid, multipliers, velocities, global_unknowns })
     }

@@ -26,8 +26,11 @@ pub(super) const DETERMINE: ffi::PetscInt = ffi::PETSC_DETERMINE as ffi::PetscIn
 /// Lets PETSc choose a number.
 pub(super) const DEFAULT: ffi::PetscInt = ffi::PETSC_DEFAULT as ffi::PetscInt;
 
+/// PETSc's index, 32 or 64 bits wide.
+pub type Index = ffi::PetscInt;
+
 /// A size as PETSc's index, which is narrower in most builds: what is beyond it is refused before a grid is made.
-pub(super) fn index(size: usize) -> ffi::PetscInt {
+pub fn index(size: usize) -> Index {
     ffi::PetscInt::try_from(size).expect("sizes are checked against PETSc's indices before a grid is made")
 }
 

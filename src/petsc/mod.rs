@@ -25,7 +25,7 @@ mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
-pub use call::INDEX_BITS;
+pub use call::{INDEX_BITS, Index, index};
 pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};
@@ -41,4 +41,4 @@ pub use symmetric::{Symmetric, SymmetricSolver};
 pub use traffic::Traffic;
 pub use vector::{LocalRead, Vector};
 
-use call::{DEFAULT, DETERMINE, index, petsc};
+use call::{DEFAULT, DETERMINE, petsc};

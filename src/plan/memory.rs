@@ -18,8 +18,11 @@ const HIERARCHY_FACTOR: f64 = 4.0;
 /// Iterations of the coupled solver that memory is set aside for.
 const KRYLOV_VECTORS: f64 = 80.0;
 
-/// Fluid vectors that a solve by transforms takes: those of the operator, the wave numbers, the flow without bodies.
-const TRANSFORM_VECTORS: f64 = 6.0;
+/// Fluid vectors that a solve by transforms takes: the fluid, transformed in place, and its waves.
+const TRANSFORM_VECTORS: f64 = 2.0;
+
+/// Those that it takes besides where there are walls or several ranks: the flow without bodies, and values before they are transformed.
+const SEPARATE_VECTORS: f64 = 2.0;
 
 /// Bytes for each cell that the factors of lines from wall to wall take.
 const WALLED_LINE_BYTES: f64 = 240.0;
@@ -69,7 +72,10 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize],
             }
             InverseMethod::Transform => {
                 let walled = if setup.domain.fully_periodic() { 0.0 } else { WALLED_LINE_BYTES };
-                cells * walled + TRANSFORM_VECTORS * fluid_vector + (KRYLOV_VECTORS + remembered) * multipliers
+                let separate = if setup.domain.fully_periodic() && grid.partition().blocks() == 1 { 0.0 } else { SEPARATE_VECTORS };
+                let solution = if in_time { 1.0 } else { 0.0 };
+                let vectors = TRANSFORM_VECTORS + separate + solution;
+                cells * walled + vectors * fluid_vector + (KRYLOV_VECTORS + remembered) * multipliers
             }
         }
 }

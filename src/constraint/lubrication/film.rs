@@ -191,6 +191,7 @@ fn film<const D: usize>(
             add(resistance, [side(1.0, turns[0]), side(-1.0, turns[1])], [moment(0), moment(1)]);
         }
     }
+    relative_modes.shrink_to_fit();
     Some(LubricationPair { body, other, separation, gap, relative_modes })
 }
 

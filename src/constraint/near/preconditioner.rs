@@ -73,6 +73,8 @@ impl PairPreconditioner {
         for pair in near {
             pairs.add(neighbourhood, tables, pair, &places);
         }
+        pairs.turns.shrink_to_fit();
+        pairs.values.shrink_to_fit();
         Ok(pairs)
     }
 

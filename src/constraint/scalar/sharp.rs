@@ -45,7 +45,7 @@ fn blocks<const D: usize>(grid: &Grid<D>, surrounded: &Surrounded<D>, workspace:
     let placed = surrounded.placed;
     let mut assembled = assemble(grid, surrounded, workspace, |nodes| vec![vec![missing_source(grid, placed, &nodes[0])]]);
     let (by_source, values) = split_source(&mut assembled);
-    let source = source(grid, &assembled.nodes[0], (&assembled.rows.unknowns, &values));
+    let source = source(grid, &assembled.nodes[0], assembled.rows.unknowns().zip(values));
     InclusionBlocks { body: Box::new(assembled.kept(workspace)), inclusion: Inclusion::on_surface(placed, source, by_source) }
 }
 
@@ -65,12 +65,12 @@ fn split_source<const D: usize>(assembled: &mut AssembledBody<D>) -> (Vec<f64>, 
 }
 
 /// What a unit source outside differs from one everywhere, with the corrections of the rows that reach across the surface.
-fn source<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, (corrected, values): (&[usize], &[f64])) -> Rows {
+fn source<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, corrected: impl Iterator<Item = (usize, f64)>) -> Rows {
     let (mut unknowns, mut parts) = (Vec::new(), Vec::new());
-    let mut across = corrected.iter().zip(values).peekable();
+    let mut across = corrected.peekable();
     each_unknown(grid, nodes, |place, unknown| {
         let inside = if nodes.outside[place] { 0.0 } else { -1.0 };
-        match across.next_if(|(row, _)| **row == unknown) {
+        match across.next_if(|(row, _)| *row == unknown) {
             Some((_, value)) => parts.push(value + inside),
             None if inside < 0.0 => parts.push(inside),
             None => return,

@@ -63,7 +63,13 @@ impl<const D: usize> BodyBlocks<D> for SharpBody<D> {
 
     fn add_local(&self, _own: &[f64], all: Entries, out: &mut [f64]) {
         for (block, &place) in self.local.iter().zip(&self.local_places) {
-            block.add(&all.from(place)[..block.columns], out);
+            block.add(&all.from(place)[..block.columns], Some(&mut *out), None);
+        }
+    }
+
+    fn add_at_points(&self, all: Entries, out: &mut [f64]) {
+        for (block, &place) in self.local.iter().zip(&self.local_places) {
+            block.add(&all.from(place)[..block.columns], None, Some(&mut *out));
         }
     }
 

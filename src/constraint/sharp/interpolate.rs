@@ -10,8 +10,9 @@ use super::{
 };
 use crate::{
     constraint::{
-        interpolant::{Interpolant, NodeBox, Run, row_offsets, row_weights},
-        placed::Placed,
+        dense::LocalBlock,
+        interpolant::{Interpolant, NodeBox, PointWeights, Run, row_offsets, row_weights},
+        placed::{Neighbour, Placed},
         unknowns::Unknowns,
     },
     grid::{
@@ -19,6 +20,7 @@ use crate::{
         interpolation::{self, NODES},
         stencil::Site,
     },
+    petsc::index,
 };
 
 /// Most nodes that interpolation takes at a point.
@@ -38,7 +40,9 @@ pub struct Interpolation<'a, const D: usize> {
 /// Jumps interpolated at surface points: the rows (point and component) that meet any, and one value a mode for each.
 #[derive(Default)]
 pub struct Interpolated {
-    rows: Vec<usize>,
+    /// Whether blocks that meet few points are left as values there, to be projected with what is interpolated.
+    pub at_points: bool,
+    rows: Vec<u32>,
     /// Length of a row of `values`.
     stride: usize,
     values: Vec<f64>,
@@ -47,7 +51,7 @@ pub struct Interpolated {
 impl<'a, const D: usize> Interpolation<'a, D> {
     /// Finds the nodes, and asks for the jumps of the body at those outside it.
     pub fn new(grid: &'a Grid<D>, placed: &'a Placed<D>, nodes: &'a [JumpNodes<D>], jumps: &mut [Jumps]) -> Self {
-        let interpolant = Interpolant { boxes: Vec::new(), weights: Vec::new(), wall_values: Vec::new() };
+        let interpolant = Interpolant { boxes: Vec::new(), weights: PointWeights::Even(Vec::new()), wall_values: Vec::new() };
         let mut found = Interpolation { grid, placed, nodes, met: Vec::new(), interpolant };
         let corners = found.find_corners();
         for ((nodes, corners), jumps) in nodes.iter().zip(corners).zip(jumps) {
@@ -66,13 +70,17 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     /// The first node of each point, component by component; fills in weights and what walls add.
     fn find_corners(&mut self) -> Vec<Vec<u32>> {
         let unknowns = Unknowns::of(self.placed.surface.modes.as_ref());
-        let mut corners = vec![Vec::new(); unknowns.components::<D>()];
+        let points = self.placed.surface.points();
+        let mut corners = vec![Vec::with_capacity(points); unknowns.components::<D>()];
+        let (mut parts, mut weights, mut at_wall) = (Vec::with_capacity(points), Vec::new(), false);
         for (point, offset) in self.placed.surface.offsets().enumerate() {
             let position = self.placed.center + offset;
             // the fields along the axis and the pressure have their points on faces and between them
             let lines: [_; D] =
                 std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, position[axis])));
-            self.interpolant.weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
+            parts.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.part)));
+            weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
+            at_wall |= lines.iter().flatten().any(|line| line.wall.is_some());
             for (component, corners) in corners.iter_mut().enumerate() {
                 let lattice = self.nodes[component].lattice;
                 let first = std::array::from_fn(|axis| lines[axis][usize::from(axis != lattice)].index[0]);
@@ -82,6 +90,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
                 self.add_walls(point, &position);
             }
         }
+        self.interpolant.weights = if at_wall { PointWeights::AtWall(weights) } else { PointWeights::Even(parts) };
         corners
     }
 
@@ -98,20 +107,20 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     }
 
     /// The transposed block of E of the body's own jumps.
-    pub fn own_block(&self, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<DMatrix<f64>> {
+    pub fn own_block(&self, body: usize, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<LocalBlock> {
         let met = |component: usize, place: usize| self.nodes[component].outside[place];
         self.interpolate(jumps, |_| true, met, interpolated);
-        interpolated.project(self.placed, self.placed.surface.modes.jump_count(), -1.0)
+        interpolated.block(self.placed, (body, self.placed), -1.0)
     }
 
     /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
     pub fn neighbour_block(
         &self,
-        neighbour: &Placed<D>,
+        (body, neighbour): &Neighbour<D>,
         core: f64,
         jumps: &mut [Jumps],
         interpolated: &mut Interpolated,
-    ) -> Option<DMatrix<f64>> {
+    ) -> Option<LocalBlock> {
         for ((nodes, met), jumps) in self.nodes.iter().zip(&self.met).zip(&mut *jumps) {
             jumps.turn_to(neighbour, nodes);
             nodes.inside(neighbour, |place| {
@@ -128,7 +137,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
         };
         let met = |component: usize, place: usize| jumps[component].has(place);
         self.interpolate(jumps, near, met, interpolated);
-        interpolated.project(self.placed, neighbour.surface.modes.jump_count(), 1.0)
+        interpolated.block(self.placed, (*body, neighbour), 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
@@ -150,9 +159,9 @@ impl<'a, const D: usize> Interpolation<'a, D> {
             for component in (0..components).filter(|&component| !jumps[component].is_empty()) {
                 let NodeBox { lattice, corners, .. } = &self.interpolant.boxes[component];
                 let corner = corners[point] as usize;
-                let weights: [&_; D] = std::array::from_fn(|axis| &self.interpolant.weights[point][axis][usize::from(axis != *lattice)]);
+                let weights = self.interpolant.weights.of(point, *lattice);
                 let mut found = 0;
-                for (offset, weight) in offsets[component].iter().zip(row_weights(weights)).take(NODES.pow(D as u32 - 1)) {
+                for (offset, weight) in offsets[component].iter().zip(row_weights(&weights)).take(NODES.pow(D as u32 - 1)) {
                     for (along, last) in weights[D - 1].iter().enumerate() {
                         let place = corner + offset + along;
                         terms[found] = (jumps[component].row(place), weight * last);
@@ -184,8 +193,9 @@ fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> V
     };
     let mut runs = Vec::new();
     nodes.runs(grid, narrowed, |start, length, unknown| {
-        runs.push(Run { start: start as u32, length: length as u32, unknown, place: 0 });
+        runs.push(Run { start: start as u32, length: length as u32, unknown: index(unknown), place: 0 });
     });
+    runs.shrink_to_fit();
     runs
 }
 
@@ -198,31 +208,40 @@ impl Interpolated {
 
     fn add(&mut self, row: usize, jumps: &Jumps, terms: &[(u32, f64)]) {
         if !terms.is_empty() {
-            self.rows.push(row);
+            self.rows.push(row as u32);
             let start = self.values.len();
             self.values.resize(start + self.stride, 0.0);
             jumps.add(terms, &mut self.values[start..]);
         }
     }
 
-    /// The transposed block of E, times `sign`: `modes` of the body that has the jumps down, modes of the surface across.
-    fn project<const D: usize>(&self, placed: &Placed<D>, modes: usize, sign: f64) -> Option<DMatrix<f64>> {
-        if self.rows.is_empty() {
+    /// The block of E of the jumps of a body, times `sign`, transposed: its modes down; modes of the surface across, or the values that are met
+    /// if they are fewer.
+    fn block<const D: usize>(&self, placed: &Placed<D>, (body, of): (usize, &Placed<D>), sign: f64) -> Option<LocalBlock> {
+        let (met, modes) = (self.rows.len(), of.surface.modes.jump_count());
+        if met == 0 {
             return None;
         }
+        let values = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(&self.values, modes, met, 1, self.stride);
+        if self.at_points && met < placed.surface.modes.count() {
+            return Some(LocalBlock { body, transposed: values * sign, at_points: Some(self.rows.clone()) });
+        }
+        Some(LocalBlock { body, transposed: self.project(placed, &values, sign), at_points: None })
+    }
+
+    fn project<const D: usize>(&self, placed: &Placed<D>, values: &DMatrixView<f64, Dyn, Dyn>, sign: f64) -> DMatrix<f64> {
         let (projector, selected) = (placed.surface.projector(), &self.rows);
         let selection;
         let projector = if selected.len() == projector.ncols() {
             projector
         } else {
-            selection = projector.select_columns(selected);
+            selection = projector.select_columns(&selected.iter().map(|&row| row as usize).collect::<Vec<_>>());
             &selection
         };
         let count = projector.nrows();
         let transposed = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(projector.as_slice(), selected.len(), count, count, 1);
-        let values = DMatrixView::<f64, Dyn, Dyn>::from_slice_with_strides(&self.values, modes, selected.len(), 1, self.stride);
-        let mut block = DMatrix::zeros(modes, count);
-        block.gemm(sign, &values, &transposed, 0.0);
-        Some(block)
+        let mut block = DMatrix::zeros(values.nrows(), count);
+        block.gemm(sign, values, &transposed, 0.0);
+        block
     }
 }

@@ -25,7 +25,6 @@ use super::{
     body::BodyBlocks,
     conservation::TERMS,
     dense::{KeptBlock, LocalBlock},
-    interpolant::StencilWeights,
     kept_values::{KeptValues, Precision},
     method::{Method, Size},
     placed::Surrounded,
@@ -94,12 +93,9 @@ impl<const D: usize> AssembledBody<D> {
         let AssembledBody { body, local, rows, field_ends, .. } = self;
         let (count, precision) = (body.surface.modes.count(), workspace.precision);
         let kept = KeptValues::of_rows(&rows.values, count, &field_ends, precision, &mut workspace.kept);
-        workspace.values = rows.values;
-        SharpBody {
-            rows: KeptRows::new(rows.unknowns, kept),
-            local: local.iter().map(|block| KeptBlock::new(block, precision)).collect(),
-            ..body
-        }
+        let (rows, values) = rows.with_values(kept);
+        workspace.values = values;
+        SharpBody { rows, local: local.into_iter().map(|block| KeptBlock::new(block, precision)).collect(), ..body }
     }
 }
 
@@ -117,6 +113,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for Sharp {
 
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], memory: Vec<Vec<f32>>) -> Vec<Box<dyn BodyBlocks<D>>> {
         let mut workspace = Workspace::new(self.precision, memory);
+        workspace.interpolated.at_points = true;
         let of = |body: &Surrounded<D>| -> Box<dyn BodyBlocks<D>> {
             Box::new(assemble(grid, body, &mut workspace, |_| vec![Vec::new(); D]).kept(&mut workspace))
         };
@@ -142,7 +139,7 @@ pub fn bytes<const D: usize>(grid: &Grid<D>, Size { ball, order, count }: &Size<
     let surface = if D == 2 { 2.0 * std::f64::consts::PI * cells } else { 4.0 * std::f64::consts::PI * cells * cells };
     let points = SurfaceTable::<D>::point_count(ball.radius, *order, grid.mean_spacing()) as f64;
     let rows = count * 2.0 * (D + 1) as f64 * surface;
-    precision.bytes() * (rows + LOCAL_BLOCKS * count * count) + points * D as f64 * (4.0 + 2.0 * size_of::<StencilWeights>() as f64)
+    precision.bytes() * (rows + LOCAL_BLOCKS * count * count) + points * D as f64 * 20.0
 }
 
 /// The blocks of one body, with values of sources behind those of the modes that have the moments of `sources` in each component.
@@ -163,12 +160,9 @@ pub fn assemble<const D: usize>(
     let interpolation = Interpolation::new(grid, placed, &nodes, jumps);
     let core = CORE * grid.spacing().max();
     nodes.iter().zip(&mut *jumps).for_each(|(nodes, jumps)| jumps.evaluate(nodes, placed, core));
-    let own = interpolation.own_block(jumps, interpolated).map(|block| (*body, block));
-    let others = neighbours.iter().filter_map(|(other, neighbour)| {
-        let block = interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated)?;
-        Some((*other, block))
-    });
-    let local = own.into_iter().chain(others).map(|(body, transposed)| LocalBlock { body, transposed }).collect();
+    let own = interpolation.own_block(*body, jumps, interpolated);
+    let others = neighbours.iter().filter_map(|neighbour| interpolation.neighbour_block(neighbour, core, of_neighbour, interpolated));
+    let local = own.into_iter().chain(others).collect();
     let field_ends = spreading.field_ends();
     let (rows, on_walls) = spreading.rows(jumps, &sources(&nodes), std::mem::take(values));
     let body = SharpBody {

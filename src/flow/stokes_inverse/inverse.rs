@@ -10,6 +10,12 @@ pub trait StokesInverse<const D: usize> {
     /// `output = K^ rows`, where `rows` are balanced.
     fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()>;
 
+    /// Replaces balanced rows by `K^` times them.
+    fn replace(&mut self, stokes: &Stokes<D>, fluid: &mut Vector) -> Result<()> {
+        let rows = fluid.copied()?;
+        self.precondition(stokes, &rows, fluid)
+    }
+
     /// Whether it is the inverse itself, so that no residual of the fluid is left to be seen.
     fn exact(&self) -> bool {
         false

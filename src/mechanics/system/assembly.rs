@@ -56,12 +56,12 @@ impl<const D: usize> Assembly<D> {
 
     fn anew(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Blocks<D>>) -> Result<Assembly<D>> {
         refuse_open_ends(fixed, centers)?;
-        let (session, fluid, method) = (&fixed.session, &fixed.undisturbed.0, fixed.method.as_ref());
+        let (session, method) = (&fixed.session, fixed.method.as_ref());
         let placed = Rc::new(fixed.body_types.place(&fixed.setup, centers));
         let neighbourhood = Rc::new(neighbourhood(fixed, &placed));
         let neighbours = neighbours(&placed, &neighbourhood.pairs, method.reach() * fixed.grid.spacing().max());
         let Assembled { layout, blocks, new: assembled } =
-            Assembled::new(&fixed.grid, fluid, method, &surrounded(&placed, &neighbours), earlier)?;
+            Assembled::new(&fixed.grid, &fixed.stokes.vector()?, method, &surrounded(&placed, &neighbours), earlier)?;
         let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), (placed.clone(), neighbourhood.clone()), layout);
         let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
@@ -84,7 +84,7 @@ impl<const D: usize> Assembly<D> {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
             fixed.background(point) + fixed.setup.domain.image_velocity(&self.centers[body])
         };
-        self.undisturbed = bodies.undisturbed(&mut self.blocks, &fixed.undisturbed.0, known)?;
+        self.undisturbed = bodies.undisturbed(&mut self.blocks, fixed.undisturbed.0.as_ref(), known)?;
         if !fixed.spin_ups.is_empty() {
             self.blocks.add_spin_up(&self.known_spin_ups(fixed)?, &mut self.undisturbed)?;
         }

@@ -302,16 +302,18 @@ impl<'a, const D: usize> Bodies<'a, D> {
         self.layout.local_bodies.iter().enumerate().map(member).collect()
     }
 
-    /// The velocity of the flow without bodies on the surfaces, tested with all modes: `fluid` and a velocity besides it that is
+    /// The velocity of the flow without bodies on the surfaces, tested with all modes: `fluid`, if it is not zero, and a velocity besides it that is
     /// `known` of each body at points of its surface.
     pub fn undisturbed(
         &self,
         blocks: &mut Blocks<D>,
-        fluid: &Vector,
+        fluid: Option<&Vector>,
         known: impl Fn(usize, &SVector<f64, D>) -> SVector<f64, D>,
     ) -> Result<Vec<f64>> {
         let mut velocities = vec![0.0; self.layout.local_unknowns()];
-        blocks.interpolate_with_walls(fluid, &mut velocities)?;
+        if let Some(fluid) = fluid {
+            blocks.interpolate_with_walls(fluid, &mut velocities)?;
+        }
         for (local, &body) in self.layout.local_bodies.iter().enumerate() {
             let center = self.ball(body).center;
             let known = blocks.coefficients(local, |offset| known(body, &(center + offset)));

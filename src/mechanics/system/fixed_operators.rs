@@ -30,8 +30,8 @@ pub struct FixedOperators<const D: usize> {
     pub stokes: Stokes<D>,
     /// Mean values that the drive leaves open.
     pub mean_flow: MeanFlowConstraint,
-    /// Flow of walls and drive without bodies, and the forces of the mean-flow constraint in it.
-    pub undisturbed: (Vector, Vec<f64>),
+    /// Flow of walls and drive without bodies, if it is not zero, and the forces of the mean-flow constraint in it.
+    pub undisturbed: (Option<Vector>, Vec<f64>),
     /// What makes bodies rigid.
     pub method: Rc<FlowMethod<D>>,
     /// Types of bodies.
@@ -86,7 +86,8 @@ impl<const D: usize> FixedOperators<D> {
         let world = session.world();
         let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
-        let undisturbed = (stokes.vector()?, Vec::new());
+        let flow = if grid.domain().fully_periodic() { None } else { Some(stokes.vector()?) };
+        let undisturbed = (flow, Vec::new());
         let (method, body_types, condensed) = (setup.method(0.0), BodyTypes::new(&setup, &grid), setup.inverts_exactly());
         let (session, mean_flow) = (session.clone(), MeanFlowConstraint::Closed);
         let (spin_ups, fluid_rows) = (Vec::new(), None);
@@ -203,7 +204,9 @@ impl<const D: usize> FixedOperators<D> {
         global_unknowns: &[f64],
         contact_forces: Vec<f64>,
     ) -> Result<Solution<D>> {
-        fluid.add(1.0, &self.undisturbed.0)?;
+        if let Some(undisturbed) = &self.undisturbed.0 {
+            fluid.add(1.0, undisturbed)?;
+        }
         if self.setup.domain.fully_periodic() {
             let offset = if let MeanFlowConstraint::MeanVelocity = self.mean_flow {
                 SVector::from_column_slice(global_unknowns)

@@ -12,9 +12,10 @@ use crate::{
 };
 
 /// Iterations allowed for the coupled system.
-///
-/// The restart is as long, so memory grows with the iterations made: a restart after 50 stalls where bodies crowd.
 const MOST_ITERATIONS: usize = 1000;
+
+/// Iterations before a restart: after 50 it stalls where bodies crowd. PETSc clears two squares of this size beforehand.
+const RESTART: usize = 400;
 
 /// Vectors that are kept at least before a restart.
 const FEWEST_VECTORS: usize = 30;
@@ -41,7 +42,10 @@ impl KrylovWorkspace {
     pub fn fitting<const D: usize>(at_hand: Option<KrylovWorkspace>, fixed: &FixedOperators<D>, sizes: Sizes) -> Result<KrylovWorkspace> {
         let fits = at_hand.as_ref().is_some_and(|workspace| workspace.work.sizes() == sizes);
         match at_hand.filter(|_| fixed.session.world().max(if fits { 0.0 } else { 1.0 }) == 0.0) {
-            Some(workspace) => Ok(workspace),
+            Some(mut workspace) => {
+                workspace.work.renew(&fixed.stokes)?;
+                Ok(workspace)
+            }
             None => KrylovWorkspace::new(fixed, sizes),
         }
     }
@@ -76,9 +80,8 @@ impl KrylovWorkspace {
     }
 }
 
-/// PETSc clears a square of the restart's size beforehand: ten milliseconds that small systems do not need.
 fn krylov_settings(tolerance: f64, unknowns: usize, flexible: bool) -> KrylovSettings {
-    let restart = unknowns.clamp(FEWEST_VECTORS, MOST_ITERATIONS);
+    let restart = unknowns.clamp(FEWEST_VECTORS, RESTART);
     let method = if flexible { KrylovMethod::FlexibleGmres { restart } } else { KrylovMethod::Gmres { restart } };
     KrylovSettings { method, tolerance, most_iterations: MOST_ITERATIONS }
 }

@@ -169,7 +169,7 @@ fn periodic_axes<const D: usize>(domain: &Domain<D>) -> impl Iterator<Item = usi
 
 /// Solves the flow of walls and drive without bodies, if there is any.
 ///
-/// Returns the flow and, for each force of the mean-flow constraint, the force per volume over the viscosity that gives it the wanted mean velocity.
+/// Returns the flow, nothing where it is only what the drive imposes on a fully periodic box, and, for each force of the mean-flow constraint, the force per volume over the viscosity that gives it the wanted mean velocity.
 pub fn flow_without_bodies<const D: usize>(
     drive: &Drive<D>,
     viscosity: f64,
@@ -177,12 +177,11 @@ pub fn flow_without_bodies<const D: usize>(
     stokes: &Stokes<D>,
     inverse: &mut dyn StokesInverse<D>,
     mean_flow: &MeanFlowConstraint,
-) -> Result<(Vector, Vec<f64>)> {
-    let mut flow = stokes.vector()?;
+) -> Result<(Option<Vector>, Vec<f64>)> {
     if grid.domain().fully_periodic() {
-        return Ok((flow, Vec::new()));
+        return Ok((None, Vec::new()));
     }
-    let (mut rhs, dragged) = (stokes.vector()?, dragged_by_walls(grid, stokes)?);
+    let (mut flow, mut rhs, dragged) = (stokes.vector()?, stokes.vector()?, dragged_by_walls(grid, stokes)?);
     add_drive(grid, drive, viscosity, &mut rhs)?;
     if dragged.is_none() {
         add_walls(grid, &mut rhs)?;
@@ -198,7 +197,7 @@ pub fn flow_without_bodies<const D: usize>(
         flow.add(1.0, &dragged)?;
     }
     let forces = mean_flow.correct_mean_velocities(stokes.session().world(), &mean_flow.wanted(drive), &mut flow)?;
-    Ok((flow, forces))
+    Ok((Some(flow), forces))
 }
 
 /// Adds the uniform force of a drive to momentum rows that are not balanced.

@@ -64,7 +64,8 @@ impl PairConstraints {
         (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
         places: usize,
     ) -> Result<Self> {
-        let owned: Vec<PairConstraint> = constraints.iter().filter(|constraint| constraint.owned).cloned().collect();
+        let mut owned: Vec<PairConstraint> = constraints.iter().filter(|constraint| constraint.owned).cloned().collect();
+        owned.shrink_to_fit();
         let symmetric = !constraints.iter().any(|constraint| !constraint.symmetric());
         let act = |Medium { resistances, pores, by_pairs }: &Medium| {
             let symmetric = session.world().max(f64::from(!symmetric)) == 0.0;

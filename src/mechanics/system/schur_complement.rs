@@ -30,12 +30,12 @@ impl<'a, const D: usize> SchurComplement<'a, D> {
     fn move_fluid(&mut self, global_unknowns: &[f64]) -> Result<Vec<f64>> {
         let SystemParts { stokes, inverse, surfaces, work } = &mut self.0;
         let watch = Watch::start(Stage::Bodies);
-        work.fluid_out.fill(0.0)?;
-        surfaces.spread(1.0, &work.multipliers_in, global_unknowns, &mut work.fluid_out)?;
+        work.fluid_in.fill(0.0)?;
+        surfaces.spread(1.0, &work.multipliers_in, global_unknowns, &mut work.fluid_in)?;
         watch.stop(&mut work.stages.bodies);
         let watch = Watch::start(Stage::Inverse);
-        stokes.balance(&mut work.fluid_out)?;
-        inverse.precondition(stokes, &work.fluid_out, &mut work.fluid_in)?;
+        stokes.balance(&mut work.fluid_in)?;
+        inverse.replace(stokes, &mut work.fluid_in)?;
         let still = vec![0.0; surfaces.mean_flow.forces().len()];
         let forces = surfaces.mean_flow.correct_mean_velocities(surfaces.world, &still, &mut work.fluid_in)?;
         watch.stop(&mut work.stages.inverse);

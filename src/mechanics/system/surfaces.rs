@@ -147,8 +147,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
 
     /// The velocity of the fluid on the surfaces, tested with all modes.
     pub fn velocity(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], velocity: &mut Vector) -> Result<()> {
-        self.blocks.interpolate(fluid, &mut velocity.local_mut()?)?;
-        self.blocks.add_local(given, &mut velocity.local_mut()?)?;
+        self.blocks.velocity(fluid, given, &mut velocity.local_mut()?)?;
         self.add_damping(given, velocity)?;
         if let Some(spin_ups) = self.spin_ups_of_links(given, global_unknowns)? {
             self.blocks.add_spin_up(&spin_ups, &mut velocity.local_mut()?)?;

@@ -108,7 +108,7 @@ impl<const D: usize> UnsteadySuspension<D> {
     pub fn new(session: &Session, setup: Setup<D>) -> Result<UnsteadySuspension<D>> {
         let (_stage, start) = (enter(Stage::SetUp), Instant::now());
         let fixed = FixedOperators::at_rest(session, setup)?;
-        let convection = Convection::new(&fixed.grid, &fixed.undisturbed.0)?;
+        let convection = Convection::new(&fixed.grid, &fixed.stokes.vector()?)?;
         let cost = Cost { setup: start.elapsed().as_secs_f64(), grid_unknowns: fixed.grid.fluid_unknowns(), ..Cost::default() };
         let (past, assembly) = (Vec::new(), None);
         Ok(UnsteadySuspension {
@@ -360,10 +360,11 @@ impl<const D: usize> UnsteadySuspension<D> {
             self.fixed.undisturbed.1 = vec![0.0; self.fixed.mean_flow.forces().len()];
             return Ok(());
         }
-        FluidSystem { stokes: &self.fixed.stokes, inverse: Some(inverse) }.solve(&rows, &mut self.fixed.undisturbed.0, 0.0, 0)?;
+        let mut flow = self.fixed.undisturbed.0.take().map_or_else(|| self.fixed.stokes.vector(), Ok)?;
+        FluidSystem { stokes: &self.fixed.stokes, inverse: Some(inverse) }.solve(&rows, &mut flow, 0.0, 0)?;
         let wanted = self.fixed.mean_flow.wanted(&self.fixed.setup.drive);
-        self.fixed.undisturbed.1 =
-            self.fixed.mean_flow.correct_mean_velocities(self.fixed.session.world(), &wanted, &mut self.fixed.undisturbed.0)?;
+        let forces = self.fixed.mean_flow.correct_mean_velocities(self.fixed.session.world(), &wanted, &mut flow)?;
+        self.fixed.undisturbed = (Some(flow), forces);
         Ok(())
     }
 

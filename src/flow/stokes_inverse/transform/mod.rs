@@ -45,7 +45,8 @@ pub struct TransformInverse<const D: usize> {
     /// To where each further axis is whole.
     turns: Vec<Option<Redistribution>>,
     last: LastAxis<D>,
-    values: Vec<f64>,
+    /// Values at points; nothing where the fields of a fluid vector lie as they do here, and are transformed in place.
+    values: Option<Vec<f64>>,
     waves: Vec<Complex<f64>>,
     value_exchange: Exchange<f64>,
     wave_exchange: Exchange<Complex<f64>>,
@@ -91,12 +92,14 @@ impl<const D: usize> TransformInverse<D> {
         let turns: Vec<_> = stages.windows(2).map(|pair| Redistribution::new(&pair[0], &pair[1], rank, D + 1)).collect();
         let lines = |stage: usize| Lines::new(stages[stage].0[rank], order[stage]);
         let most = |layouts: &[&BlockLayout<D>]| (D + 1) * layouts.iter().map(|layout| layout.0[rank].len()).max().unwrap_or(0);
+        let fields = fields(stokes, grid, own.0[rank]);
+        let in_place = start.is_none() && fields.iter().all(|field| field.places == [field.range.clone()]);
         Ok(TransformInverse {
-            fields: fields(stokes, grid, own.0[rank]),
+            fields,
             first: RealTransform::new(Lines::new(whole.0[rank], order[0]), lines(0)),
             middle: (1..D - 1).map(|stage| ComplexTransform::new(lines(stage))).collect(),
             last: LastAxis::new(lines(D - 1), order[D - 1], (grid, stokes.shift())),
-            values: vec![0.0; most(&[&own, &whole])],
+            values: (!in_place).then(|| vec![0.0; most(&[&own, &whole])]),
             waves: vec![Complex::default(); most(&stages.iter().collect::<Vec<_>>())],
             value_exchange: Exchange::new(&start, 0.0),
             wave_exchange: Exchange::new(turns.iter().flatten(), Complex::default()),
@@ -112,37 +115,33 @@ impl<const D: usize> TransformInverse<D> {
     }
 
     /// Takes the rows of each field out of a fluid vector, no longer balanced.
-    fn take(&mut self, rows: &Vector) -> Result<()> {
-        let rows = rows.local()?;
+    fn take(&self, rows: &[f64], values: &mut [f64]) {
         for Field { range, places, factor } in &self.fields {
             let mut rows = &rows[range.clone()];
             for place in places {
                 let (here, rest) = rows.split_at(place.len());
-                self.values[place.clone()].iter_mut().zip(here).for_each(|(value, row)| *value = row * factor);
+                values[place.clone()].iter_mut().zip(here).for_each(|(value, row)| *value = row * factor);
                 rows = rest;
             }
         }
-        Ok(())
     }
 
-    fn put(&self, output: &mut Vector) -> Result<()> {
-        let mut output = output.local_mut()?;
+    fn put(&self, values: &[f64], output: &mut [f64]) {
         for Field { range, places, .. } in &self.fields {
             let mut start = range.start;
             for place in places {
-                output[start..start + place.len()].copy_from_slice(&self.values[place.clone()]);
+                output[start..start + place.len()].copy_from_slice(&values[place.clone()]);
                 start += place.len();
             }
         }
-        Ok(())
     }
 
     /// From rows at points to the solution at points.
-    fn solve(&mut self, world: &World) {
+    fn solve(&mut self, world: &World, values: &mut [f64]) {
         if let Some(start) = &self.start {
-            start.forward(world, &mut self.values, &mut self.value_exchange);
+            start.forward(world, values, &mut self.value_exchange);
         }
-        self.first.forward(&mut self.values, &mut self.waves);
+        self.first.forward(values, &mut self.waves);
         for stage in 0..D - 1 {
             if let Some(turn) = &self.turns[stage] {
                 turn.forward(world, &mut self.waves, &mut self.wave_exchange);
@@ -160,18 +159,33 @@ impl<const D: usize> TransformInverse<D> {
                 turn.backward(world, &mut self.waves, &mut self.wave_exchange);
             }
         }
-        self.first.backward(&mut self.waves, &mut self.values);
+        self.first.backward(&mut self.waves, values);
         if let Some(start) = &self.start {
-            start.backward(world, &mut self.values, &mut self.value_exchange);
+            start.backward(world, values, &mut self.value_exchange);
         }
     }
 }
 
 impl<const D: usize> StokesInverse<D> for TransformInverse<D> {
     fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()> {
-        self.take(rows)?;
-        self.solve(stokes.session().world());
-        self.put(output)
+        output.copy_from(rows)?;
+        self.replace(stokes, output)
+    }
+
+    fn replace(&mut self, stokes: &Stokes<D>, fluid: &mut Vector) -> Result<()> {
+        let (world, mut fluid) = (stokes.session().world(), fluid.local_mut()?);
+        let Some(mut values) = self.values.take() else {
+            for Field { range, factor, .. } in &self.fields {
+                fluid[range.clone()].iter_mut().for_each(|value| *value *= factor);
+            }
+            self.solve(world, &mut fluid);
+            return Ok(());
+        };
+        self.take(&fluid, &mut values);
+        self.solve(world, &mut values);
+        self.put(&values, &mut fluid);
+        self.values = Some(values);
+        Ok(())
     }
 
     fn exact(&self) -> bool {
