@@ -228,10 +228,10 @@ fn interpolate<const D: usize>(
     let (others, own) = (read.fetch(u)?, u.local()?);
     let u = Entries { own: &own, others };
     let (mut scratch, mut values, mut first) = (Vec::new(), Vec::new(), 0);
-    let same = |body: &Box<dyn BodyBlocks<D>>, next: &Box<dyn BodyBlocks<D>>| {
+    let same = |body: &dyn BodyBlocks<D>, next: &dyn BodyBlocks<D>| {
         body.rows().surface().zip(next.rows().surface()).is_some_and(|(one, other)| Rc::ptr_eq(one, other))
     };
-    for alike in bodies.chunk_by(same) {
+    for alike in bodies.chunk_by(|body, next| same(body.as_ref(), next.as_ref())) {
         let Some(surface) = alike[0].rows().surface() else {
             let count = alike[0].count();
             alike[0].read(u, walls, &mut scratch, &mut out[first..][..count]);

@@ -2,8 +2,11 @@
 
 use std::fmt::Debug;
 
-use super::{Arrangement, Friction};
-use crate::contact::{AdhesiveContact, ContactForce};
+use super::Arrangement;
+use crate::{
+    contact::{AdhesiveContact, ContactForce},
+    geometry::Ball,
+};
 
 /// How bodies notice that they touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +20,22 @@ pub enum Touch {
         /// What to do then.
         remedy: &'static str,
     },
+}
+
+/// Coulomb friction at inelastic contacts of bodies with each other and with walls ([`contact`](crate::contact)).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    /// Largest tangential force over the normal force, the same at all contacts; 0 of surfaces that are rough alone.
+    pub coefficient: f64,
+    /// Gap at which bodies in a fluid touch, over the mean of their radii; walls are smooth, and touched at half of it.
+    pub roughness: f64,
+}
+
+impl Friction {
+    /// Balls that touch where bodies with their roughness do.
+    pub fn touching<const D: usize>(&self, balls: &[Ball<D>]) -> Vec<Ball<D>> {
+        balls.iter().map(|ball| Ball { radius: ball.radius * (1.0 + 0.5 * self.roughness), ..*ball }).collect()
+    }
 }
 
 /// A law of contact, or a part of one.

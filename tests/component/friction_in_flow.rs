@@ -74,7 +74,7 @@ fn step<const D: usize>(simulation: &mut Simulation<D>) -> (Observation<D>, Fric
     let observation = evaluate(simulation);
     let report = simulation.step(&observation, &mut |_, _| {}).unwrap();
     let kkt_report = report.kkt_report.unwrap();
-    assert!(kkt_report.smallest_gap > 0.9 * ROUGHNESS || kkt_report.smallest_gap.is_infinite(), "{kkt_report:?}");
+    assert!(kkt_report.smallest_gap > 0.49 * ROUGHNESS || kkt_report.smallest_gap.is_infinite(), "{kkt_report:?}");
     (observation, kkt_report.friction.unwrap())
 }
 
@@ -89,7 +89,7 @@ fn forces<const D: usize>(observation: &Observation<D>) -> Vec<(ContactForce<D>,
 
 /// A ball that is pulled to the floor of a box in shear.
 fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f64, D>, f64), weight: f64, coefficient: f64) -> [f64; 3] {
-    let center = SVector::from_fn(|axis, _| if axis + 1 == D { 1.012 } else { 0.5 * size[axis] });
+    let center = SVector::from_fn(|axis, _| if axis + 1 == D { 1.0101 } else { 0.5 * size[axis] });
     let down = SVector::<f64, D>::from_fn(|axis, _| if axis + 1 == D { -weight } else { 0.0 });
     let pulled = Motion::Free { force: down, torque: SMatrix::zeros() };
     let mut simulation = rubbing(session, between_walls(size, 1.0, spacing, vec![suspended(center, 1.0, pulled, 4)]), coefficient, 0.01);
@@ -107,7 +107,7 @@ fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f64, 
     let height = simulation.state().bodies[0].center[D - 1];
     assert!((height - 1.0 - 0.5 * ROUGHNESS).abs() < 1e-6, "{height}");
     let slip = twist.at(&arm)[0];
-    assert!(report.residual < FrictionReport::TOLERANCE_IN_FLOW && report.work <= 0.0, "{report:?}");
+    assert!(report.residual < FrictionReport::TOLERANCE_IN_FLOW && report.work < 1e-6 * weight, "{report:?}");
     assert_eq!((report.sticking, report.slipping), if slip.abs() < 1e-5 { (1, 0) } else { (0, 1) });
     [slip, side[0] / pressed.force, twist.velocity[0]]
 }
@@ -132,9 +132,9 @@ fn rolls_or_slips(on_a_floor: impl Fn(f64) -> [f64; 3]) {
     assert!(slip.abs() < 1e-5 && (found / ratio - 1.0).abs() < 1e-4 && (velocity / rolling - 1.0).abs() < 1e-3, "{slip} {found} {ratio}");
 }
 
-/// Disks between walls in shear, at a fraction of one half, with films cut at the roughness.
+/// Disks between walls in shear, at a fraction of 0.6, with films cut at the roughness.
 fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
-    let size = Vector2::new(8.0, count as f64 * std::f64::consts::PI / 0.52 / 8.0);
+    let size = Vector2::new(8.0, count as f64 * std::f64::consts::PI / 0.6 / 8.0);
     let still = between_walls::<2>(size, rate, 0.25, Vec::new());
     let centers: Vec<Vector2<f64>> = pack(&still.domain, &[] as &[Ball<2>], &vec![1.0; count], 0.03, seed).unwrap();
     let bodies = centers.into_iter().map(|center| suspended(center, 1.0, free(), 4)).collect();
@@ -151,7 +151,7 @@ fn sheared(session: &Session, coefficient: f64, steps: usize) -> (Simulation<2>,
 
 /// Bodies at rest in the motions that were found feel the forces that contacts are said to exert.
 fn what_contacts_exert_is_what_the_flow_feels(session: &Session) {
-    let (simulation, observation) = sheared(session, 0.7, 12);
+    let (simulation, observation) = sheared(session, 0.7, 22);
     let held = forces(&observation);
     assert!(held.len() >= 3, "{} contacts", held.len());
     let mut expected = vec![(Vector2::zeros(), SMatrix::<f64, 2, 2>::zeros()); 11];
@@ -175,8 +175,8 @@ fn what_contacts_exert_is_what_the_flow_feels(session: &Session) {
     let largest = held.iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
     let (_, solution) = solve(session, given);
     for (state, (force, torque)) in solution.bodies.iter().zip(&expected) {
-        assert!((state.force + force).norm() < 2e-3 * largest, "{} {force} of {largest}", state.force);
-        assert!((state.torque + torque).norm() < 2e-3 * largest, "{} {torque} of {largest}", state.torque);
+        assert!((state.force + force).norm() < 1e-6 * largest, "{} {force} of {largest}", state.force);
+        assert!((state.torque + torque).norm() < 1e-6 * largest, "{} {torque} of {largest}", state.torque);
     }
 }
 
@@ -198,7 +198,7 @@ fn nothing_overlaps_and_contacts_take_energy(session: &Session) {
     for coefficient in [0.3, 1.0] {
         let mut simulation = rubbing(session, crowd(11, 5, 1.0), coefficient, 0.03);
         let (mut solves, mut held) = (0, 0);
-        for number in 0..15 {
+        for number in 0..25 {
             let (observation, report) = step(&mut simulation);
             assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
             for (pressed, side) in forces(&observation) {
@@ -206,12 +206,12 @@ fn nothing_overlaps_and_contacts_take_energy(session: &Session) {
             }
             (solves, held) = (solves + observation.effort.solves, held + report.sticking + report.slipping);
         }
-        assert!(held > 20 && solves < 6 * 15, "{held} contacts, {solves} solves");
+        assert!(held > 20 && solves < 6 * 25, "{held} contacts, {solves} solves");
     }
 }
 
 fn stresses_add_up_to_the_force_on_walls(session: &Session) {
-    let (simulation, observation) = sheared(session, 0.7, 10);
+    let (simulation, observation) = sheared(session, 0.7, 22);
     let flow = simulation.suspension().unwrap();
     let solution = observation.solution.as_ref().unwrap();
     let viscosity = observe::viscosity(flow.setup(), flow.grid(), solution, &observation.contacts).unwrap().unwrap();
@@ -223,7 +223,7 @@ fn stresses_add_up_to_the_force_on_walls(session: &Session) {
 
 /// Stokes flow is linear: contacts open when everything turns round.
 fn after_reversal_the_viscosity_is_that_without_contacts(session: &Session) {
-    let (simulation, before) = sheared(session, 0.7, 12);
+    let (simulation, before) = sheared(session, 0.7, 22);
     assert!(forces(&before).len() >= 3);
     let there = |rate: f64| {
         let mut setup = crowd(11, 5, rate);
@@ -284,7 +284,7 @@ fn units_places_and_the_order_of_bodies_do_not_matter(session: &Session) {
 }
 
 fn a_restart_goes_on_from_the_forces_of_the_last_step(session: &Session) {
-    let (mut simulation, _) = sheared(session, 0.7, 8);
+    let (mut simulation, _) = sheared(session, 0.7, 20);
     let mut again = rubbing(session, crowd(11, 5, 1.0), 0.7, 0.03);
     assert!(!simulation.state().tangential.is_empty());
     again.restore(simulation.state().clone(), History::default()).unwrap();

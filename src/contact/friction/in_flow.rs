@@ -11,8 +11,9 @@ use super::{
     cone::{ContactState, natural_map, project, tangential_size},
     frame::Frame,
     interior_point::follow,
+    link::NONE,
     medium::{Medium, Resisting},
-    program::{FrictionIsland, FrictionProgram, NONE},
+    program::{FrictionIsland, FrictionProgram},
 };
 use crate::{
     body::{RigidFunctional, Row, Twist, components},
@@ -251,12 +252,13 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     pub fn report(&self) -> FrictionReport {
         let states: Vec<ContactState> = self.by_contact().iter().map(|held| held.state).collect();
         let count = |which: ContactState| states.iter().filter(|&&state| state == which).count();
-        let power = |((force, velocity), (contact, link)): (&([f64; D], [f64; D]), (&Contact<D>, &super::program::Link<D, W>))| {
+        let power = |place: usize| {
+            let ((force, velocity), contact, link) = (&self.found[place], &self.contacts[place], &self.program.links[place]);
             // forces and velocities are scaled by factors whose product is one
             let whole: f64 = force.iter().zip(velocity).map(|(force, velocity)| force * velocity).sum();
             whole - force[0] * contact.gap / self.bathed.step / link.norms[0]
         };
-        let powers = self.found.iter().zip(self.contacts.iter().zip(&self.program.links)).map(power);
+        let powers = (0..self.found.len()).map(power);
         FrictionReport {
             residual: self.residual(),
             sticking: count(ContactState::Sticking),
@@ -274,7 +276,7 @@ impl<const D: usize> BathedResistance<D> {
         let films: Vec<Resisting> = self.films.iter().filter_map(|film| of_film::<D, W>(film, free, &self.bodies)).collect();
         let pairs = self.pairs.iter().filter_map(|pair| of_pair::<D, W>(pair, free, &self.bodies));
         let all: Vec<Resisting> = films.iter().cloned().chain(pairs).collect();
-        Medium::new(free.len(), all).or_else(|| Medium::new(free.len(), films)).unwrap_or_else(|| Medium::none())
+        Medium::new(free.len(), all).or_else(|| Medium::new(free.len(), films)).unwrap_or_else(Medium::none)
     }
 }
 

@@ -7,8 +7,9 @@
 
 use super::{
     cone::{TOLERANCE, project},
+    link::{Link, NONE},
     pairs::{Newton, Pairs},
-    program::{FrictionProgram, Link, NONE},
+    program::FrictionProgram,
 };
 use crate::contact::solver::block_lu::{BlockLu, Blocks};
 

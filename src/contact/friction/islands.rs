@@ -178,7 +178,7 @@ impl<const D: usize> Gathered<D> {
         let found = solve_exactly(&program, guess.collect());
         (cost.sweeps, cost.iterations) = (cost.sweeps.max(found.sweeps), cost.iterations.max(found.iterations));
         let is_solved = found.residual <= TOLERANCE;
-        let in_space = |((link, frame), force): ((&super::program::Link<D, W>, &Frame<D>), &[f64; D])| -> SVector<f64, D> {
+        let in_space = |((link, frame), force): ((&super::link::Link<D, W>, &Frame<D>), &[f64; D])| -> SVector<f64, D> {
             (0..D).map(|axis| frame.axes[axis] * (force[axis] / (link.norms[axis] * step))).sum()
         };
         let forces = program.links.iter().zip(&frames).zip(&found.forces).map(in_space);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::program::{Link, NONE};
+use super::link::{Link, NONE};
 use crate::contact::solver::block_lu::{BlockLu, Blocks};
 
 /// What resists the motions of two bodies, or of one.

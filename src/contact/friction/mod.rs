@@ -15,6 +15,7 @@ mod history;
 mod in_flow;
 mod interior_point;
 mod islands;
+mod link;
 mod medium;
 mod pairs;
 mod program;

@@ -4,10 +4,7 @@
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
-use super::{
-    cone::tangential_size,
-    program::{FrictionProgram, Link},
-};
+use super::{cone::tangential_size, link::Link, program::FrictionProgram};
 
 /// Sweeps after which the residual is looked at.
 const EVERY: usize = 10;

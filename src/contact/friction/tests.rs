@@ -9,8 +9,9 @@ use super::{
     cone::TOLERANCE,
     exact::{Found, solve_exactly},
     interior_point::follow,
+    link::{Link, NONE},
     medium::Medium,
-    program::{FrictionIsland, FrictionProgram, Link, NONE},
+    program::{FrictionIsland, FrictionProgram},
     sweeps::Sweeps,
 };
 use crate::{
