@@ -44,6 +44,7 @@ const SCENES: &[(&str, &str)] = &files![
     "cubic.toml",
     "dense.toml",
     "friction.toml",
+    "friction_in_flow.toml",
     "gluey.toml",
     "inertial.toml",
     "random.toml",

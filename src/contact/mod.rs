@@ -52,7 +52,7 @@ pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, candidates};
 pub use force::{ContactForce, pushes};
 pub use friction::{
-    Bathed, BathedResistance, ContactState, FlowContacts, FrictionProjection, FrictionShare, HeldContact, HeldRow, PairResistance,
+    ContactState, FlowContacts, FrictionProjection, FrictionShare, HeldContact, HeldRow, ImmersedBodies, NearResistance, NetworkResistance,
     TangentialForce, project_with_friction,
 };
 pub use friction_report::FrictionReport;

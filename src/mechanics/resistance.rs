@@ -4,7 +4,7 @@ use super::{
     setup::{Setup, SuspendedBody},
     system::{assembly::Assembly, fixed_operators::FixedOperators, network_resistance::network_resistance},
 };
-use crate::contact::{BathedResistance, Contact};
+use crate::contact::{Contact, NetworkResistance};
 
 /// What bodies resist, for the projection of velocities on those that keep contacts.
 pub struct Resistance<'a, const D: usize> {
@@ -35,9 +35,9 @@ impl<'a, const D: usize> Resistance<'a, D> {
     }
 
     /// What bodies with modes resist as a network, where they were solved last. Collective.
-    pub fn of_network(&self) -> BathedResistance<D> {
+    pub fn of_network(&self) -> NetworkResistance<D> {
         let of = |fixed| network_resistance(fixed, self.assembly, self.of_impulse);
-        self.fixed.map_or_else(BathedResistance::default, of)
+        self.fixed.map_or_else(NetworkResistance::default, of)
     }
 
     /// What interactions resist the approach of a contact by, force over speed, besides the flow that is resolved; for the mean force of contacts over a step.

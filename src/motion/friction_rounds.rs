@@ -12,11 +12,11 @@ use nalgebra::{SMatrix, SVector};
 use super::{
     quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, Placed, QuasiStatic, disagreement, velocities},
     step_control::StepSize,
-    stepper::{Effort, Rubbing},
+    stepper::{ContactFriction, Effort},
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Bathed, Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, TangentialForce},
+    contact::{Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, ImmersedBodies, TangentialForce},
     error::Result,
     interaction::Friction,
     mechanics::{ResidualMonitor, Solution},
@@ -65,18 +65,18 @@ struct Rounds<'a, const D: usize, const W: usize> {
 
 impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     /// Contacts that are held as those with these forces were.
-    fn new(bathed: Bathed<'a, D>, contacts: Vec<Contact<D>>, forces: &Forces<D>) -> Self {
-        let contacts = FlowContacts::new(bathed, contacts);
+    fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>, forces: &Forces<D>) -> Self {
+        let contacts = FlowContacts::new(immersed, contacts);
         let held = contacts.by_forces(&forces_at(&contacts, forces));
         Rounds { contacts, held, tried: Vec::new() }
     }
 
     /// The same with more contacts, which bear no force yet.
-    fn with(self, bathed: Bathed<'a, D>, more: Vec<Contact<D>>, forces: &mut Vec<SVector<f64, D>>) -> Self {
+    fn with(self, immersed: ImmersedBodies<'a, D>, more: Vec<Contact<D>>, forces: &mut Vec<SVector<f64, D>>) -> Self {
         let known: Forces<D> = self.contacts.contacts.iter().map(Contact::identity).zip(forces.iter().copied()).collect();
         let mut contacts = [self.contacts.contacts, more].concat();
         contacts.sort_by_key(Contact::identity);
-        let rounds = Rounds::new(bathed, contacts, &known);
+        let rounds = Rounds::new(immersed, contacts, &known);
         *forces = forces_at(&rounds.contacts, &known);
         rounds
     }
@@ -101,8 +101,8 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
             }
         }
         solution.friction_stress = Some(stress);
-        let rubbing = Rubbing { tangential, report: Some(self.contacts.report()) };
-        Agreed { solution, twists, contacts, rubbing, step_size }
+        let friction = ContactFriction { tangential, report: Some(self.contacts.report()) };
+        Agreed { solution, twists, contacts, friction, step_size }
     }
 
     /// Goes on to the next states.
@@ -140,10 +140,10 @@ impl<const D: usize> QuasiStatic<D> {
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
-        if D == 2 { self.agree_rubbing::<3>(instant, effort, monitor) } else { self.agree_rubbing::<6>(instant, effort, monitor) }
+        if D == 2 { self.agree_of_width::<3>(instant, effort, monitor) } else { self.agree_of_width::<6>(instant, effort, monitor) }
     }
 
-    fn agree_rubbing<const W: usize>(
+    fn agree_of_width<const W: usize>(
         &mut self,
         instant: &KnownInstant<D>,
         effort: &mut Effort,
@@ -155,8 +155,8 @@ impl<const D: usize> QuasiStatic<D> {
         let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
         let network = self.suspension.resistance().of_network();
-        let bathed = Bathed { domain: &placed.domain, balls, resistance: &network, coefficient: friction.coefficient, step };
-        let mut rounds = Rounds::<D, W>::new(bathed, self.may_touch(placed, &twists, step, &forces), &forces);
+        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient: friction.coefficient, step };
+        let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(placed, &twists, step, &forces), &forces);
         let mut forces = forces_at(&rounds.contacts, &forces);
         let mut best: Option<Agreed<D>> = None;
         for round in 0..MOST_ROUNDS {
@@ -168,10 +168,10 @@ impl<const D: usize> QuasiStatic<D> {
                     effort.contact += start.elapsed().as_secs_f64();
                     return Ok(rounds.agreed(instant, (solution, twists), &forces, step_size));
                 }
-                rounds = rounds.with(bathed, missing, &mut forces);
+                rounds = rounds.with(immersed, missing, &mut forces);
                 rounds.contacts.take(&forces, &twists);
             }
-            let reached = |best: &Agreed<D>| best.rubbing.report.map_or(f64::INFINITY, |report| report.residual);
+            let reached = |best: &Agreed<D>| best.friction.report.map_or(f64::INFINITY, |report| report.residual);
             if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < reached(best)) {
                 best = Some(rounds.agreed(instant, (solution, twists), &forces, step_size));
             }
@@ -184,7 +184,7 @@ impl<const D: usize> QuasiStatic<D> {
             effort.contact += start.elapsed().as_secs_f64();
             self.stop.heed(self.session.world(), placed.state.time)?;
             let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(TIGHTEST * agreement));
-            (solution, twists, forces) = self.rubbing_flow(instant, &rounds, (step, tolerance), effort, monitor)?;
+            (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
         }
         let residual = rounds.contacts.take(&forces, &twists);
         Err(disagreement(placed.state.time, step, &format!("the law of friction is missed by {residual:.1e}")))
@@ -202,19 +202,19 @@ impl<const D: usize> QuasiStatic<D> {
         let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
         let network = self.suspension.resistance().of_network();
         let coefficient = friction_of(instant).coefficient;
-        let bathed = Bathed { domain: &placed.domain, balls, resistance: &network, coefficient, step };
+        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient, step };
         let mut identities: Vec<Identity<D>> = memory.keys().copied().collect();
         identities.sort_unstable();
         let contacts = identities.into_iter().map(|identity| Contact::again(&placed.domain, balls, identity)).collect();
-        let rounds = Rounds::<D, W>::new(bathed, contacts, &memory);
-        let (solution, twists, forces) = self.rubbing_flow(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+        let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
+        let (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
         let forces = rounds.contacts.contacts.iter().map(Contact::identity).zip(forces).collect();
         let step_size = self.step_size(placed, &twists, &instant.pushes(), instant.tried)?;
         Ok(FirstFlow { solution, twists, forces, step_size })
     }
 
     /// Solves the flow with contacts held as rounds have them; gives the force of each on its partner.
-    fn rubbing_flow<const W: usize>(
+    fn flow_with_friction<const W: usize>(
         &mut self,
         instant: &KnownInstant<D>,
         rounds: &Rounds<D, W>,

@@ -22,7 +22,7 @@ use super::{
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
     step_control::{StepControl, StepLimits, StepSize},
-    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper, StepperView},
+    stepper::{ContactFriction, Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
     travel::{accurate_step, time_of_travel},
 };
@@ -86,7 +86,7 @@ pub(super) struct Agreed<const D: usize> {
     pub(super) solution: Solution<D>,
     pub(super) twists: Vec<Twist<D>>,
     pub(super) contacts: Vec<ContactForce<D>>,
-    pub(super) rubbing: Rubbing<D>,
+    pub(super) friction: ContactFriction<D>,
     pub(super) step_size: StepSize,
 }
 
@@ -320,7 +320,7 @@ impl<const D: usize> QuasiStatic<D> {
                 continue;
             }
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: forces.contacts.clone(), rubbing: Rubbing::default(), step_size });
+                return Ok(Agreed { solution, twists, contacts: forces.contacts.clone(), friction: ContactFriction::default(), step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
@@ -339,7 +339,7 @@ impl<const D: usize> QuasiStatic<D> {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
                 let contacts = [&forces.contacts[..], &projection.forces].concat();
-                return Ok(Agreed { solution, twists, contacts, rubbing: Rubbing::default(), step_size });
+                return Ok(Agreed { solution, twists, contacts, friction: ContactFriction::default(), step_size });
             }
             let projected = contacts.closed(projection);
             if identities(&projected) == identities(&pressed) {
@@ -526,7 +526,7 @@ impl<const D: usize> QuasiStatic<D> {
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
         ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
-        ahead.tangential.clone_from(&observation.rubbing.tangential);
+        ahead.tangential.clone_from(&observation.friction.tangential);
         ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
         Ok(self.agree(&ahead, None, effort, monitor)?.twists)
     }
@@ -548,14 +548,14 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn evaluate(&mut self, state: &State<D>, longest: f64, monitor: ResidualMonitor) -> Result<Observation<D>> {
         let mut effort = Effort::default();
-        let Agreed { mut solution, twists, contacts, rubbing, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
+        let Agreed { mut solution, twists, contacts, friction, step_size } = self.agree(state, Some(longest), &mut effort, monitor)?;
         let passed = self.passed(state, &twists)?;
         let domain = self.placed(state).domain;
         for (body, moving) in solution.bodies.iter_mut().zip(&state.bodies) {
             // centres of solutions are in the box: so are the motions that go with them
             body.twist.velocity -= domain.image_velocity(&moving.center);
         }
-        Ok(Observation { twists, contacts, rubbing, solution: Some(solution), step_size, passed, kinetic_energy: None, effort })
+        Ok(Observation { twists, contacts, friction, solution: Some(solution), step_size, passed, kinetic_energy: None, effort })
     }
 
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
@@ -576,7 +576,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
                     Some(_) => self.contact_step_of(&placed, &placed.balls, step).smallest_gap_after(&moves),
                     None => projection.kkt_report.smallest_gap,
                 };
-                kkt_report = Some(KktReport { smallest_gap, friction: observation.rubbing.report, ..projection.kkt_report });
+                kkt_report = Some(KktReport { smallest_gap, friction: observation.friction.report, ..projection.kkt_report });
             }
             Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
             None => {}
@@ -594,7 +594,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             twists: observation.twists.clone(),
             contacts: observation.contacts.clone(),
             stuck,
-            tangential: observation.rubbing.tangential.clone(),
+            tangential: observation.friction.tangential.clone(),
             kkt_report,
             effort,
         })

@@ -17,7 +17,7 @@ pub struct Observation<const D: usize> {
     /// Contacts and their forces.
     pub contacts: Vec<ContactForce<D>>,
     /// Friction at them, if it was found with the flow.
-    pub rubbing: Rubbing<D>,
+    pub friction: ContactFriction<D>,
     /// The flow, if there is one.
     pub solution: Option<Solution<D>>,
     /// The step to take.
@@ -32,7 +32,7 @@ pub struct Observation<const D: usize> {
 
 /// Friction at contacts.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Rubbing<const D: usize> {
+pub struct ContactFriction<const D: usize> {
     /// Tangential forces of contacts that press.
     pub tangential: Vec<TangentialForce<D>>,
     /// How well the law was kept; nothing without friction.

@@ -81,7 +81,7 @@ fn step<const D: usize>(simulation: &mut Simulation<D>) -> (Observation<D>, Fric
 /// Normal and tangential force of the contacts of an observation.
 fn forces<const D: usize>(observation: &Observation<D>) -> Vec<(ContactForce<D>, SVector<f64, D>)> {
     let side = |pressed: &ContactForce<D>| {
-        let tangential = &observation.rubbing.tangential;
+        let tangential = &observation.friction.tangential;
         tangential.iter().find(|force| force.identity() == pressed.contact.identity()).map_or_else(SVector::zeros, |force| force.force)
     };
     observation.contacts.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| (*pressed, side(pressed))).collect()

@@ -16,7 +16,8 @@ use turbid::{
     interaction::Interactions,
     mechanics::{ResidualMonitor, State},
     motion::{
-        Effort, Observation, Rubbing, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView, StopRequest,
+        ContactFriction, Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView,
+        StopRequest,
     },
     parallel::Peers,
     petsc::Session,
@@ -65,7 +66,7 @@ impl Stepper<2> for Hurdles {
         Ok(Observation {
             twists,
             contacts: Vec::new(),
-            rubbing: Rubbing::default(),
+            friction: ContactFriction::default(),
             solution: None,
             step_size,
             passed: 0.0,

@@ -10,7 +10,7 @@ import pandas as pd
 
 from .statistics import LEAST_STRAIN, Mean, shortage, steady_mean
 
-_PARTS = ("hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact")
+_PARTS = ("hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact", "friction")
 
 
 @dataclass(frozen=True, repr=False)
@@ -20,7 +20,7 @@ class Viscosity:
     Attributes:
         relative: At the last instant.
         parts: What adds up to it: ``hydrodynamic`` (1 and the stresslets of the flow), ``lubrication``, ``interaction``, ``bonds``,
-            ``reynolds``, ``contact``.
+            ``reynolds``, ``contact``, ``friction`` (of tangential contact forces).
         from_walls: The same from the force on the walls, where there are walls.
         mean: Mean over the steady part; ``None`` where there is none.
         interval: What 95 % confidence leaves of the mean, or, at an instant with ``accuracy``, of ``relative``.

@@ -11,14 +11,12 @@ use super::{
     cone::{ContactState, natural_map, project, tangential_size},
     frame::Frame,
     interior_point::follow,
-    link::NONE,
-    medium::{Medium, Resisting},
+    network::ImmersedBodies,
     program::{FrictionIsland, FrictionProgram},
 };
 use crate::{
-    body::{RigidFunctional, Row, Twist, components},
+    body::{RigidFunctional, Row, Twist},
     contact::{Contact, FrictionReport, Partner},
-    geometry::{Ball, Domain},
 };
 
 /// Compliance of rows that stick, over the mobility of the contact, about the forces of the last round: redundant rows are regular with it.
@@ -34,41 +32,6 @@ const AIM: f64 = 1e-9;
 const SOLVED: f64 = 1e-6;
 const USEFUL: f64 = 1e-2;
 const NEAR: f64 = 1e-1;
-
-/// Bodies in a fluid, as a network knows them.
-#[derive(Clone, Copy)]
-pub struct Bathed<'a, const D: usize> {
-    /// The box.
-    pub domain: &'a Domain<D>,
-    /// The bodies before the step, as they touch.
-    pub balls: &'a [Ball<D>],
-    /// What resists.
-    pub resistance: &'a BathedResistance<D>,
-    /// Coefficient of friction.
-    pub coefficient: f64,
-    /// Length of the step.
-    pub step: f64,
-}
-
-/// What bodies in a fluid resist as a network.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct BathedResistance<const D: usize> {
-    /// Force and torque over velocity and spin of each alone in the fluid, infinite where a motion is given.
-    pub bodies: Vec<[f64; 2]>,
-    /// Films between them and with walls; compliances are speed over force.
-    pub films: Vec<Row<D>>,
-    /// What the flow between two near bodies resists beyond that.
-    pub pairs: Vec<PairResistance>,
-}
-
-/// What two bodies resist by the flow between them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PairResistance {
-    /// The bodies.
-    pub bodies: [usize; 2],
-    /// Forces and torques on the first, then on the second, for velocities and spins of both, row by row.
-    pub matrix: Vec<f64>,
-}
 
 /// How a contact is held in a coupled solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +61,7 @@ pub struct HeldRow<const D: usize> {
 
 /// Contacts of one step, with bodies of `W` unknowns each.
 pub struct FlowContacts<'a, const D: usize, const W: usize> {
-    bathed: Bathed<'a, D>,
+    immersed: ImmersedBodies<'a, D>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
     frames: Vec<Frame<D>>,
@@ -111,15 +74,15 @@ pub struct FlowContacts<'a, const D: usize, const W: usize> {
 
 impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     /// Contacts of bodies that have not been solved for.
-    pub fn new(bathed: Bathed<'a, D>, contacts: Vec<Contact<D>>) -> Self {
-        let Bathed { domain, balls, resistance, coefficient, step } = bathed;
+    pub fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>) -> Self {
+        let ImmersedBodies { domain, balls, resistance, coefficient, step } = immersed;
         let resistances = &resistance.bodies[..];
         let free: Vec<usize> = (0..balls.len()).filter(|&body| resistances[body][0].is_finite()).collect();
         let still = vec![Twist::zero(); balls.len()];
         let island = FrictionIsland { domain, balls, masses: resistances, twists: &still, step, coefficient, contacts: &contacts };
         let program = island.program_of(&free).in_medium(resistance.medium(&free));
         let frames = contacts.iter().map(|contact| Frame::new(contact, balls)).collect();
-        FlowContacts { bathed, frames, program, found: Vec::new(), iterations: 0, contacts }
+        FlowContacts { immersed, frames, program, found: Vec::new(), iterations: 0, contacts }
     }
 
     /// Takes what a coupled solve found, and gives how far from the law it is: the largest component of the natural map, over that of the velocities that
@@ -139,7 +102,9 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     }
 
     fn residual(&self) -> f64 {
-        self.misses().into_iter().fold(0.0, f64::max) / self.program.unit
+        // the largest of numbers that may be none
+        let larger = |largest: f64, miss: f64| if miss > largest || miss.is_nan() { miss } else { largest };
+        self.misses().into_iter().fold(0.0, larger) / self.program.unit
     }
 
     /// By how much each contact misses the law.
@@ -184,7 +149,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let size = tangential_size(&aim);
         let direction = if size > 0.0 { frame.tangential(&aim) / size } else { SVector::zeros() };
         let in_space = (0..D).map(|axis| frame.axes[axis] * (force[axis] / link.norms[axis])).sum();
-        let ease = tangential_size(velocity) * link.norms[1] / (self.bathed.coefficient * force[0] / link.norms[0]);
+        let ease = tangential_size(velocity) * link.norms[1] / (self.immersed.coefficient * force[0] / link.norms[0]);
         HeldContact { state, force: in_space, direction, ease: if ease.is_finite() { ease.max(0.0) } else { 0.0 } }
     }
 
@@ -202,7 +167,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
                 (0..D).map(|axis| self.row(place, (&axes[axis], &axes[axis]), soft(axis), held.force.dot(&axes[axis]))).collect()
             }
             ContactState::Slipping => {
-                let push = axes[0] + held.direction * self.bathed.coefficient;
+                let push = axes[0] + held.direction * self.immersed.coefficient;
                 let mut rows = vec![self.row(place, (&axes[0], &push), soft(0), held.force.dot(&axes[0]))];
                 if D == 3 {
                     let across = SVector::from_fn(|axis, _| {
@@ -228,9 +193,9 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         };
         let known = match contact.partner {
             Partner::Body(_) => contact.sliding,
-            Partner::Wall { axis, upper } => self.bathed.domain.wall_velocity(axis, upper),
+            Partner::Wall { axis, upper } => self.immersed.domain.wall_velocity(axis, upper),
         };
-        let closing = along.dot(&contact.normal) * contact.gap / self.bathed.step;
+        let closing = along.dot(&contact.normal) * contact.gap / self.immersed.step;
         let rate = compliance * guess - closing - along.dot(&known);
         let pushes = ends(push).into_iter().map(|(_, push)| push).collect();
         HeldRow { contact: place, unit: *push, guess, row: Row { ends: ends(along), pushes, rate, compliance } }
@@ -243,8 +208,8 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     fn scaled_velocity(&self, place: usize, twists: &[Twist<D>]) -> [f64; D] {
         let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.links[place].norms);
-        let mut velocity = frame.components(&frame.slip((self.bathed.domain, contact), twists));
-        velocity[0] += contact.gap / self.bathed.step;
+        let mut velocity = frame.components(&frame.slip((self.immersed.domain, contact), twists));
+        velocity[0] += contact.gap / self.immersed.step;
         std::array::from_fn(|axis| velocity[axis] / norms[axis])
     }
 
@@ -256,60 +221,18 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
             let ((force, velocity), contact, link) = (&self.found[place], &self.contacts[place], &self.program.links[place]);
             // forces and velocities are scaled by factors whose product is one
             let whole: f64 = force.iter().zip(velocity).map(|(force, velocity)| force * velocity).sum();
-            whole - force[0] * contact.gap / self.bathed.step / link.norms[0]
+            whole - force[0] * contact.gap / self.immersed.step / link.norms[0]
         };
         let powers = (0..self.found.len()).map(power);
         FrictionReport {
             residual: self.residual(),
             sticking: count(ContactState::Sticking),
             slipping: count(ContactState::Slipping),
-            work: powers.sum::<f64>() * self.bathed.step,
+            work: powers.sum::<f64>() * self.immersed.step,
             sweeps: 0,
             iterations: self.iterations,
         }
     }
-}
-
-impl<const D: usize> BathedResistance<D> {
-    /// What resists between bodies that give way, in their unknowns: without what neighbours resist if that has no factors.
-    fn medium<const W: usize>(&self, free: &[usize]) -> Medium<W> {
-        let films: Vec<Resisting> = self.films.iter().filter_map(|film| of_film::<D, W>(film, free, &self.bodies)).collect();
-        let pairs = self.pairs.iter().filter_map(|pair| of_pair::<D, W>(pair, free, &self.bodies));
-        let all: Vec<Resisting> = films.iter().cloned().chain(pairs).collect();
-        Medium::new(free.len(), all).or_else(|| Medium::new(free.len(), films)).unwrap_or_else(Medium::none)
-    }
-}
-
-/// What turns velocities and spins of a body into the unknowns of a program.
-fn scales<const D: usize, const W: usize>([translation, rotation]: [f64; 2]) -> [f64; W] {
-    std::array::from_fn(|place| if place < D { translation.sqrt() } else { rotation.sqrt() })
-}
-
-fn of_pair<const D: usize, const W: usize>(pair: &PairResistance, free: &[usize], resistances: &[[f64; 2]]) -> Option<Resisting> {
-    let found: Vec<usize> = (0..2).filter(|&end| free.binary_search(&pair.bodies[end]).is_ok()).collect();
-    let ends: Vec<usize> = found.iter().filter_map(|&end| free.binary_search(&pair.bodies[end]).ok()).collect();
-    let scales = pair.bodies.map(|body| scales::<D, W>(resistances[body]));
-    let mut blocks = Vec::with_capacity(4 * W * W);
-    for (&one, &other) in found.iter().flat_map(|one| found.iter().map(move |other| (one, other))) {
-        for (row, of_row) in scales[one].iter().enumerate() {
-            let entries = &pair.matrix[(one * W + row) * 2 * W + other * W..][..W];
-            blocks.extend(entries.iter().zip(&scales[other]).map(|(entry, of_column)| entry / (of_row * of_column)));
-        }
-    }
-    Some(Resisting { ends: [*ends.first()?, ends.get(1).copied().unwrap_or(NONE)], blocks })
-}
-
-/// A film between bodies that give way.
-fn of_film<const D: usize, const W: usize>(film: &Row<D>, free: &[usize], resistances: &[[f64; 2]]) -> Option<Resisting> {
-    let scaled = |body: usize, side: &RigidFunctional<D>| -> [f64; W] {
-        let (turning, scales) = (components(&side.turn), scales::<D, W>(resistances[body]));
-        std::array::from_fn(|place| (if place < D { side.direction[place] } else { turning[place - D] }) / scales[place])
-    };
-    let sides: Vec<(usize, [f64; W])> =
-        film.ends.iter().filter_map(|(body, side)| Some((free.binary_search(body).ok()?, scaled(*body, side)))).collect();
-    let end = |number: usize| sides.get(number).map_or((NONE, [0.0; W]), |side| *side);
-    let [(one, first), (two, second)] = [end(0), end(1)];
-    (one != NONE).then(|| Resisting::of_row([one, two], &[first, second], 1.0 / film.compliance))
 }
 
 impl<const D: usize> HeldContact<D> {
@@ -325,7 +248,11 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::{body::skew, geometry::Axis};
+    use crate::{
+        body::skew,
+        contact::NetworkResistance,
+        geometry::{Axis, Ball, Domain},
+    };
 
     #[test]
     fn a_row_says_the_velocity_of_a_contact_and_is_pushed_as_it_moves() {
@@ -334,11 +261,11 @@ mod tests {
         let centers = [Vector3::new(5.0, 5.0, 5.0), Vector3::new(5.0, 5.0, 5.0) + normal * 1.7];
         let balls: Vec<Ball<3>> = centers.iter().zip(radii).map(|(&center, radius)| Ball { center, radius }).collect();
         let contact = Contact::between(&domain, &balls, [0, 1], centers[1] - centers[0]);
-        let resistance = BathedResistance { bodies: vec![[2.0, 3.0], [1.0, 0.5]], ..BathedResistance::default() };
-        let bathed = Bathed { domain: &domain, balls: &balls, resistance: &resistance, coefficient: 0.5, step: 0.1 };
+        let resistance = NetworkResistance { bodies: vec![[2.0, 3.0], [1.0, 0.5]], ..NetworkResistance::default() };
+        let immersed = ImmersedBodies { domain: &domain, balls: &balls, resistance: &resistance, coefficient: 0.5, step: 0.1 };
         let twists = [([0.3, 0.1, -0.2], [0.2, 0.7, -0.4]), ([-0.5, 0.2, 0.4], [0.1, -0.3, 0.9])]
             .map(|(velocity, spin)| Twist { velocity: Vector3::from(velocity), spin: skew(&spin) });
-        let mut contacts = FlowContacts::<3, 6>::new(bathed, vec![contact]);
+        let mut contacts = FlowContacts::<3, 6>::new(immersed, vec![contact]);
         let stick = HeldContact { state: ContactState::Sticking, force: Vector3::zeros(), direction: Vector3::zeros(), ease: 0.0 };
         let rows = contacts.rows(&[stick]);
         let slip = contacts.frames[0].slip((&domain, &contact), &twists);

@@ -17,6 +17,7 @@ mod interior_point;
 mod islands;
 mod link;
 mod medium;
+mod network;
 mod pairs;
 mod program;
 mod project;
@@ -28,6 +29,7 @@ mod tests;
 
 pub use cone::ContactState;
 pub use history::TangentialForce;
-pub use in_flow::{Bathed, BathedResistance, FlowContacts, HeldContact, HeldRow, PairResistance};
+pub use in_flow::{FlowContacts, HeldContact, HeldRow};
+pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};

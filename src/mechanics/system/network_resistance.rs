@@ -9,7 +9,7 @@ use crate::{
         Given, PairPreconditioner, RigidBlock,
         lubrication::{LubricationPair, Opposite, RelativeMode},
     },
-    contact::{BathedResistance, PairResistance},
+    contact::{NearResistance, NetworkResistance},
 };
 
 /// The resistance of bodies in their places, or of bodies alone before they are assembled, the same on all ranks; a unit of a mean force over a step is this
@@ -18,7 +18,7 @@ pub fn network_resistance<const D: usize>(
     fixed: &FixedOperators<D>,
     assembly: Option<&Assembly<D>>,
     of_impulse: f64,
-) -> BathedResistance<D> {
+) -> NetworkResistance<D> {
     let viscosity = fixed.setup.viscosity / of_impulse;
     let of_body = |body: usize| {
         if !fixed.setup.bodies[body].body.free() {
@@ -29,7 +29,7 @@ pub fn network_resistance<const D: usize>(
             .map(|resistance| viscosity * resistance)
     };
     let bodies = (0..fixed.setup.bodies.len()).map(of_body).collect();
-    let Some(assembly) = assembly else { return BathedResistance { bodies, ..BathedResistance::default() } };
+    let Some(assembly) = assembly else { return NetworkResistance { bodies, ..NetworkResistance::default() } };
     let world = fixed.session.world();
     let owned = assembly.films.films.iter().filter(|film| assembly.layout.holds(film.body));
     let rows = owned.flat_map(|film| film.relative_modes.iter().map(move |mode| row(film, mode, viscosity)));
@@ -39,8 +39,8 @@ pub fn network_resistance<const D: usize>(
     let own = near.filter(|(bodies, _)| assembly.layout.holds(bodies[0]));
     let numbers: Vec<f64> = own.flat_map(|(bodies, blocks)| pack_pair::<D>(fixed, bodies, &blocks, viscosity)).collect();
     let count = 2 + (2 * rigid_count::<D>()).pow(2);
-    let pair = |numbers: &[f64]| PairResistance { bodies: [numbers[0] as usize, numbers[1] as usize], matrix: numbers[2..].to_vec() };
-    BathedResistance { bodies, films, pairs: world.gather(&numbers).chunks(count).map(pair).collect() }
+    let pair = |numbers: &[f64]| NearResistance { bodies: [numbers[0] as usize, numbers[1] as usize], matrix: numbers[2..].to_vec() };
+    NetworkResistance { bodies, films, pairs: world.gather(&numbers).chunks(count).map(pair).collect() }
 }
 
 const fn rigid_count<const D: usize>() -> usize {

@@ -26,7 +26,7 @@ use self::{
 };
 use super::{
     step_control::{BodyMotion, StepControl, StepLimits},
-    stepper::{Effort, Observation, Rubbing, StepOutcome, Stepper, StepperView},
+    stepper::{ContactFriction, Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
 use crate::{
@@ -429,7 +429,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         Ok(Observation {
             twists,
             contacts: Vec::new(),
-            rubbing: Rubbing::default(),
+            friction: ContactFriction::default(),
             solution: None,
             step_size,
             passed: 0.0,

@@ -256,7 +256,7 @@ fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<
 fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
     let numbers = checkpoint.shared("time")?;
     let (&[time, steps, last_step], counts) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
-    let [sticking, rubbing] = [0, 1].map(|place| counts.get(place).copied().unwrap_or(0.0));
+    let [sticking, sliding] = [0, 1].map(|place| counts.get(place).copied().unwrap_or(0.0));
     let stuck = if sticking > 0.0 { read_contacts(checkpoint, "stuck")? } else { Vec::new() };
     if stuck.len() as f64 != sticking || counts.len() > 2 {
         return Err(misfit("stuck"));
@@ -271,7 +271,7 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
         held: held.map(ContactHistory::from).collect(),
         stuck: stuck.into_iter().map(AdhesiveContact::from).collect(),
-        tangential: read_tangential(checkpoint, rubbing)?,
+        tangential: read_tangential(checkpoint, sliding)?,
     })
 }
 
