@@ -21,7 +21,7 @@ pub trait BodyBlocks<const D: usize> {
     /// `rows += factor * C c`; `scratch` may hold anything.
     fn spread(&self, factor: f64, c: &[f64], scratch: &mut Vec<f64>, rows: &mut EntriesMut);
 
-    /// Writes `J u`, before it is projected on the modes of a [surface](BodyRows::Surface); `scratch` may hold anything.
+    /// Writes `J u`, before it is projected on the modes of a surface; `scratch` may hold anything.
     fn read(&self, u: Entries, walls: Walls, scratch: &mut Vec<f64>, out: &mut [f64]);
 
     /// What its rows are.

@@ -27,7 +27,7 @@ use crate::{
     surface::unit_rotation,
 };
 
-/// The method; surfaces need the jumps of spin-ups ([`SurfaceTable::with_spin_up`]).
+/// The method; surfaces need the jumps of spin-ups (`surface::SurfaceTable::with_spin_up`).
 #[derive(Debug, Clone)]
 pub struct SharpWithInertia {
     /// How exactly rows are kept.
