@@ -161,7 +161,7 @@ impl<const D: usize> QuasiStatic<D> {
         let mut best: Option<Agreed<D>> = None;
         for round in 0..MOST_ROUNDS {
             let start = Instant::now();
-            let residual = rounds.contacts.take(&forces, &twists);
+            let mut residual = rounds.contacts.take(&forces, &twists);
             if residual <= agreement {
                 let missing = self.missing(placed, &twists, step, &rounds.contacts)?;
                 if missing.is_empty() {
@@ -169,7 +169,7 @@ impl<const D: usize> QuasiStatic<D> {
                     return Ok(rounds.agreed(instant, (solution, twists), &forces, step_size));
                 }
                 rounds = rounds.with(immersed, missing, &mut forces);
-                rounds.contacts.take(&forces, &twists);
+                residual = rounds.contacts.take(&forces, &twists);
             }
             let reached = |best: &Agreed<D>| best.friction.report.map_or(f64::INFINITY, |report| report.residual);
             if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < reached(best)) {
