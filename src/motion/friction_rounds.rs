@@ -203,9 +203,8 @@ impl<const D: usize> QuasiStatic<D> {
         let network = self.suspension.resistance().of_network();
         let coefficient = friction_of(instant).coefficient;
         let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient, step };
-        let mut identities: Vec<Identity<D>> = memory.keys().copied().collect();
-        identities.sort_unstable();
-        let contacts = identities.into_iter().map(|identity| Contact::again(&placed.domain, balls, identity)).collect();
+        let mut contacts: Vec<Contact<D>> = memory.keys().map(|&identity| contact_again(placed, identity)).collect();
+        contacts.sort_by_key(Contact::identity);
         let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
         let (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
         let forces = rounds.contacts.contacts.iter().map(Contact::identity).zip(forces).collect();
@@ -238,7 +237,7 @@ impl<const D: usize> QuasiStatic<D> {
         let mut contacts = self.arrangement_of(placed, &placed.touching).near(closing.max(NEAREST) * largest);
         let found: HashSet<Identity<D>> = contacts.iter().map(Contact::identity).collect();
         let others = forces.keys().filter(|identity| !found.contains(*identity));
-        contacts.extend(others.map(|&identity| Contact::again(&placed.domain, &placed.touching, identity)));
+        contacts.extend(others.map(|&identity| contact_again(placed, identity)));
         contacts.sort_by_key(Contact::identity);
         contacts
     }
@@ -262,9 +261,14 @@ fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
     instant.interactions.friction().expect("there is friction")
 }
 
+/// A contact where its bodies are now.
+fn contact_again<const D: usize>(placed: &Placed<D>, identity: Identity<D>) -> Contact<D> {
+    Contact::again(&placed.domain, &placed.touching, identity)
+}
+
 /// The forces of contacts in the last step.
 fn forces_of<const D: usize>(placed: &Placed<D>) -> Forces<D> {
-    let normal = |identity: Identity<D>, force: f64| Contact::again(&placed.domain, &placed.touching, identity).normal * force;
+    let normal = |identity: Identity<D>, force: f64| contact_again(placed, identity).normal * force;
     let mut forces: Forces<D> = placed.state.held.iter().map(|held| (held.identity(), normal(held.identity(), held.force))).collect();
     for tangential in &placed.state.tangential {
         if let Some(force) = forces.get_mut(&tangential.identity()) {

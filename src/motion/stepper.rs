@@ -30,6 +30,22 @@ pub struct Observation<const D: usize> {
     pub effort: Effort,
 }
 
+impl<const D: usize> Observation<D> {
+    /// Bodies without a fluid that move so, whose contacts are found in the step.
+    pub fn of_motions(twists: Vec<Twist<D>>, step_size: StepSize) -> Observation<D> {
+        Observation {
+            twists,
+            contacts: Vec::new(),
+            friction: ContactFriction::default(),
+            solution: None,
+            step_size,
+            passed: 0.0,
+            kinetic_energy: None,
+            effort: Effort::default(),
+        }
+    }
+}
+
 /// Friction at contacts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactFriction<const D: usize> {

@@ -20,7 +20,7 @@ mod profile;
 mod scatter;
 mod session;
 mod shell;
-mod symmetric;
+mod sparse_solver;
 mod traffic;
 mod vector;
 
@@ -37,7 +37,7 @@ pub use profile::{Profile, Stage, StageCounts, StageGuard, enter};
 pub use scatter::{Scatter, WantedRun};
 pub use session::Session;
 pub use shell::System;
-pub use symmetric::{Symmetric, SymmetricSolver};
+pub use sparse_solver::{SparseMethod, SparseSolver};
 pub use traffic::Traffic;
 pub use vector::{LocalRead, Vector};
 

@@ -11,12 +11,12 @@ use turbid::{
     motion::{Observation, Simulation},
     observe,
     petsc::Session,
-    scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
+    scene::{ContactModel, Scheme, Step, TimeSection, Tolerance},
 };
 
 use crate::{
     Test,
-    suspension::{free, solve, suspended},
+    suspension::{free, periodic_cube, solve, suspended},
 };
 
 /// The tests of this file.
@@ -41,19 +41,7 @@ fn between_walls<const D: usize>(size: SVector<f64, D>, rate: f64, spacing: f64,
     let along = SVector::<f64, D>::from_fn(|axis, _| if axis == 0 { rate * size[D - 1] } else { 0.0 });
     let walls = Axis::Walls { lower: along * 0.0, upper: along };
     let domain = Domain { size, axes: std::array::from_fn(|axis| if axis + 1 == D { walls } else { Axis::Periodic }) };
-    Setup {
-        domain,
-        spacing,
-        viscosity: 1.0,
-        drive: Drive::Rest,
-        bodies,
-        inertia: None,
-        trajectories: Default::default(),
-        constraint: ConstraintMethod::Sharp,
-        interactions: Default::default(),
-        inverse: InverseMethod::Transform,
-        tolerance: Tolerance::Fixed(1e-9),
-    }
+    Setup { domain, inverse: InverseMethod::Transform, ..periodic_cube(spacing, Drive::Rest, bodies) }
 }
 
 fn time(step: f64) -> TimeSection {

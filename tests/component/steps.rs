@@ -15,10 +15,7 @@ use turbid::{
     geometry::{Axis, Domain},
     interaction::Interactions,
     mechanics::{ResidualMonitor, State},
-    motion::{
-        ContactFriction, Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView,
-        StopRequest,
-    },
+    motion::{Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView, StopRequest},
     parallel::Peers,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
@@ -63,16 +60,7 @@ impl Stepper<2> for Hurdles {
             self.refuse(state.time, step_size.natural)?;
         }
         let twists = vec![Twist { velocity: Vector2::x(), ..Twist::zero() }];
-        Ok(Observation {
-            twists,
-            contacts: Vec::new(),
-            friction: ContactFriction::default(),
-            solution: None,
-            step_size,
-            passed: 0.0,
-            kinetic_energy: None,
-            effort: Effort::default(),
-        })
+        Ok(Observation::of_motions(twists, step_size))
     }
 
     fn advance(&mut self, state: &State<2>, observation: &Observation<2>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<2>> {

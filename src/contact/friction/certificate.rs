@@ -75,8 +75,7 @@ impl<const D: usize> Certified<'_, D> {
             .fold((0.0, 0.0), |(along, across), ([mass, inertia], arm)| (along + 1.0 / mass, across + 1.0 / mass + arm * arm / inertia));
         let norms: [f64; D] = std::array::from_fn(|axis| if axis == 0 { along.sqrt() } else { across.sqrt() });
         let velocity = |twists: &[Twist<D>]| {
-            let mut velocity = frame.components(&frame.slip((self.domain, contact), twists));
-            velocity[0] += contact.gap / self.step;
+            let velocity = frame.velocity((self.domain, contact), twists, self.step);
             std::array::from_fn(|axis| velocity[axis] / norms[axis])
         };
         let force = frame.components(force);

@@ -45,11 +45,15 @@ impl<const D: usize> Frame<D> {
     pub fn slip(&self, (domain, contact): (&Domain<D>, &Contact<D>), twists: &[Twist<D>]) -> SVector<f64, D> {
         let normal = &contact.normal;
         let own = twists[contact.body].at(&(normal * self.arms[0]));
-        let partner = match contact.partner {
-            Partner::Body(other) => twists[other].at(&(-normal * self.arms[1])) + contact.sliding,
-            Partner::Wall { axis, upper } => domain.wall_velocity(axis, upper),
-        };
-        partner - own
+        let partner = contact.other().map_or_else(SVector::zeros, |other| twists[other].at(&(-normal * self.arms[1])));
+        partner + carried(domain, contact) - own
+    }
+
+    /// The same along the axes, with the gap over the step along the normal: `u`.
+    pub fn velocity(&self, seen: (&Domain<D>, &Contact<D>), twists: &[Twist<D>], step: f64) -> [f64; D] {
+        let mut velocity = self.components(&self.slip(seen, twists));
+        velocity[0] += seen.1.gap / step;
+        velocity
     }
 
     /// What the spin of a body, component by component, adds along a tangent where it is an arm of one from its centre.
@@ -66,6 +70,14 @@ impl<const D: usize> Frame<D> {
     }
 }
 
+/// The velocity of the partner's surface besides that by its own motion: of an image that slides, or of a wall.
+pub fn carried<const D: usize>(domain: &Domain<D>, contact: &Contact<D>) -> SVector<f64, D> {
+    match contact.partner {
+        Partner::Body(_) => contact.sliding,
+        Partner::Wall { axis, upper } => domain.wall_velocity(axis, upper),
+    }
+}
+
 fn axes<const D: usize>(normal: &SVector<f64, D>) -> [SVector<f64, D>; D] {
     let mut axes = [*normal; D];
     if D == 2 {
@@ -79,7 +91,7 @@ fn axes<const D: usize>(normal: &SVector<f64, D>) -> [SVector<f64, D>; D] {
 }
 
 /// The vector product, in three dimensions.
-fn cross<const D: usize>(one: &SVector<f64, D>, two: &SVector<f64, D>) -> SVector<f64, D> {
+pub fn cross<const D: usize>(one: &SVector<f64, D>, two: &SVector<f64, D>) -> SVector<f64, D> {
     SVector::from_fn(|axis, _| one[(axis + 1) % D] * two[(axis + 2) % D] - one[(axis + 2) % D] * two[(axis + 1) % D])
 }
 

@@ -9,14 +9,14 @@ use nalgebra::SVector;
 
 use super::{
     cone::{ContactState, natural_map, project, tangential_size},
-    frame::Frame,
+    frame::{Frame, carried, cross},
     interior_point::follow,
     network::ImmersedBodies,
     program::{FrictionIsland, FrictionProgram},
 };
 use crate::{
     body::{RigidFunctional, Row, Twist},
-    contact::{Contact, FrictionReport, Partner},
+    contact::{Contact, FrictionReport},
 };
 
 /// Compliance of rows that stick, over the mobility of the contact, about the forces of the last round: redundant rows are regular with it.
@@ -80,7 +80,9 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let free: Vec<usize> = (0..balls.len()).filter(|&body| resistances[body][0].is_finite()).collect();
         let still = vec![Twist::zero(); balls.len()];
         let island = FrictionIsland { domain, balls, masses: resistances, twists: &still, step, coefficient, contacts: &contacts };
-        let program = island.program_of(&free).in_medium(resistance.medium(&free));
+        // without contacts nobody asks what resists
+        let program = island.program_of(&free);
+        let program = if contacts.is_empty() { program } else { program.in_medium(resistance.medium(&free)) };
         let frames = contacts.iter().map(|contact| Frame::new(contact, balls)).collect();
         FlowContacts { immersed, frames, program, found: Vec::new(), iterations: 0, contacts }
     }
@@ -170,10 +172,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
                 let push = axes[0] + held.direction * self.immersed.coefficient;
                 let mut rows = vec![self.row(place, (&axes[0], &push), soft(0), held.force.dot(&axes[0]))];
                 if D == 3 {
-                    let across = SVector::from_fn(|axis, _| {
-                        let [next, last] = [(axis + 1) % D, (axis + 2) % D];
-                        axes[0][next] * held.direction[last] - axes[0][last] * held.direction[next]
-                    });
+                    let across = cross(&axes[0], &held.direction);
                     rows.push(self.row(place, (&across, &across), held.ease.max(norms[1] * norms[1] / STIFFEST), 0.0));
                 }
                 rows
@@ -191,10 +190,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
             };
             bodies.into_iter().filter_map(functional).collect::<Vec<_>>()
         };
-        let known = match contact.partner {
-            Partner::Body(_) => contact.sliding,
-            Partner::Wall { axis, upper } => self.immersed.domain.wall_velocity(axis, upper),
-        };
+        let known = carried(self.immersed.domain, contact);
         let closing = along.dot(&contact.normal) * contact.gap / self.immersed.step;
         let rate = compliance * guess - closing - along.dot(&known);
         let pushes = ends(push).into_iter().map(|(_, push)| push).collect();
@@ -208,8 +204,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     fn scaled_velocity(&self, place: usize, twists: &[Twist<D>]) -> [f64; D] {
         let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.links[place].norms);
-        let mut velocity = frame.components(&frame.slip((self.immersed.domain, contact), twists));
-        velocity[0] += contact.gap / self.immersed.step;
+        let velocity = frame.velocity((self.immersed.domain, contact), twists, self.immersed.step);
         std::array::from_fn(|axis| velocity[axis] / norms[axis])
     }
 

@@ -47,10 +47,10 @@ pub struct NearResistance {
 impl<const D: usize> NetworkResistance<D> {
     /// What resists between bodies that give way, in their unknowns: without what neighbours resist if that has no factors.
     pub(super) fn medium<const W: usize>(&self, free: &[usize]) -> Medium<W> {
-        let films: Vec<Resisting> = self.films.iter().filter_map(|film| of_film::<D, W>(film, free, &self.bodies)).collect();
+        let films = || self.films.iter().filter_map(|film| of_film::<D, W>(film, free, &self.bodies));
         let pairs = self.pairs.iter().filter_map(|pair| of_pair::<D, W>(pair, free, &self.bodies));
-        let all: Vec<Resisting> = films.iter().cloned().chain(pairs).collect();
-        Medium::new(free.len(), all).or_else(|| Medium::new(free.len(), films)).unwrap_or_else(Medium::none)
+        let all = Medium::new(free.len(), films().chain(pairs).collect());
+        all.or_else(|| Medium::new(free.len(), films().collect())).unwrap_or_else(Medium::none)
     }
 }
 
@@ -60,8 +60,7 @@ fn scales<const D: usize, const W: usize>([translation, rotation]: [f64; 2]) -> 
 }
 
 fn of_pair<const D: usize, const W: usize>(pair: &NearResistance, free: &[usize], resistances: &[[f64; 2]]) -> Option<Resisting> {
-    let found: Vec<usize> = (0..2).filter(|&end| free.binary_search(&pair.bodies[end]).is_ok()).collect();
-    let ends: Vec<usize> = found.iter().filter_map(|&end| free.binary_search(&pair.bodies[end]).ok()).collect();
+    let (found, ends): (Vec<usize>, Vec<usize>) = (0..2).filter_map(|end| Some((end, free.binary_search(&pair.bodies[end]).ok()?))).unzip();
     let scales = pair.bodies.map(|body| scales::<D, W>(resistances[body]));
     let mut blocks = Vec::with_capacity(4 * W * W);
     for (&one, &other) in found.iter().flat_map(|one| found.iter().map(move |other| (one, other))) {

@@ -77,8 +77,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
             *norm = ends.iter().flat_map(|(_, rows)| rows[axis]).map(|entry| entry * entry).sum::<f64>().sqrt();
         }
         ends.iter_mut().for_each(|(_, rows)| (0..D).for_each(|axis| rows[axis].iter_mut().for_each(|entry| *entry /= norms[axis])));
-        let mut offset = frame.components(&frame.slip((self.domain, contact), self.twists));
-        offset[0] += contact.gap / self.step;
+        let mut offset = frame.velocity((self.domain, contact), self.twists, self.step);
         offset.iter_mut().zip(norms).for_each(|(offset, norm)| *offset /= norm);
         let end = |number: usize| ends.get(number).map_or(NONE, |end| end.0);
         let rows = |number: usize| ends.get(number).map_or([[0.0; W]; D], |end| end.1);

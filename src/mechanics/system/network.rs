@@ -14,7 +14,7 @@ use super::pair_constraint::PairConstraint;
 use crate::{
     constraint::{Entries, EntriesMut, MultiplierLayout, Places, PoreShare, Pores, RigidBlock},
     error::Result,
-    petsc::{RowBuilder, Scatter, Session, Symmetric, SymmetricSolver, Vector},
+    petsc::{RowBuilder, Scatter, Session, SparseMethod, SparseSolver, Vector},
 };
 
 /// Bodies in 3D beyond which factors of the network take more time than iterations: they grow with the square of the number.
@@ -101,7 +101,7 @@ struct Share {
 
 /// The factored resistance.
 pub struct Network {
-    solver: Symmetric,
+    solver: SparseSolver,
     rigid: usize,
     /// Where the rigid modes of this rank's bodies begin among the multipliers.
     places: Vec<usize>,
@@ -146,13 +146,13 @@ impl Network {
         let local = numbering.local(layout);
         let rows = rows(layout, &numbering, &parts);
         let way = match (pores, parts.flexible && iterated(rigid, layout.bodies())) {
-            (Some(_), _) if parts.symmetric => SymmetricSolver::Quasidefinite,
-            (None, true) if parts.symmetric => SymmetricSolver::Iterated,
-            (None, false) if parts.symmetric => SymmetricSolver::Positive,
-            (None, true) => SymmetricSolver::UnsymmetricIterated,
-            _ => SymmetricSolver::Unsymmetric,
+            (Some(_), _) if parts.symmetric => SparseMethod::Quasidefinite,
+            (None, true) if parts.symmetric => SparseMethod::Iterated,
+            (None, false) if parts.symmetric => SparseMethod::Positive,
+            (None, true) => SparseMethod::UnsymmetricIterated,
+            _ => SparseMethod::Unsymmetric,
         };
-        let solver = Symmetric::new(session, local, rows, way)?;
+        let solver = SparseSolver::new(session, local, rows, way)?;
         let places = layout.local_bodies.iter().map(|&body| layout.local(body)).collect();
         let forces = Vector::new(session, local)?;
         let mut wanted = Places::new(&forces)?;

@@ -26,7 +26,7 @@ use self::{
 };
 use super::{
     step_control::{BodyMotion, StepControl, StepLimits},
-    stepper::{ContactFriction, Effort, Observation, StepOutcome, Stepper, StepperView},
+    stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
 use crate::{
@@ -426,16 +426,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let limits = StepLimits { stable, tried: longest };
         let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
         let kinetic_energy = Some(self.kinetic_energy(&twists));
-        Ok(Observation {
-            twists,
-            contacts: Vec::new(),
-            friction: ContactFriction::default(),
-            solution: None,
-            step_size,
-            passed: 0.0,
-            kinetic_energy,
-            effort: Effort::default(),
-        })
+        Ok(Observation { kinetic_energy, ..Observation::of_motions(twists, step_size) })
     }
 
     fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {

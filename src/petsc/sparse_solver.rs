@@ -1,4 +1,4 @@
-//! Solves with sparse symmetric matrices, by their factors or to a loose tolerance.
+//! Solves with sparse matrices, most of them symmetric, by their factors or to a loose tolerance.
 
 use std::ptr::null_mut;
 
@@ -7,9 +7,9 @@ use super::{
 };
 use crate::error::{Error, Result};
 
-/// How a symmetric matrix is solved with.
+/// How a sparse matrix is solved with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SymmetricSolver {
+pub enum SparseMethod {
     /// By factors of a positive matrix: CHOLMOD's on one rank, or else MUMPS's.
     Positive,
     /// By MUMPS's factors of a matrix that is positive on some unknowns and negative on the others.
@@ -25,23 +25,23 @@ pub enum SymmetricSolver {
 /// Residual at which iterations end, over the right-hand side.
 const LOOSE: f64 = 1e-2;
 
-/// A symmetric matrix to solve with, which all ranks share.
-pub struct Symmetric {
+/// A sparse matrix to solve with, which all ranks share.
+pub struct SparseSolver {
     solver: Owned<ffi::KSP>,
     _matrix: Matrix,
 }
 
-impl Symmetric {
+impl SparseSolver {
     /// Sets up solves with the matrix of this rank's rows, of which there are `local`; PETSc options with the prefix `network_` adjust it.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix has no such factors.
-    pub fn new(session: &Session, local: usize, rows: RowBuilder, way: SymmetricSolver) -> Result<Symmetric> {
+    pub fn new(session: &Session, local: usize, rows: RowBuilder, way: SparseMethod) -> Result<SparseSolver> {
         let matrix = Matrix::from_rows(session, local, rows)?;
         let kind = match way {
-            SymmetricSolver::Quasidefinite => Some(ffi::MatOption_MAT_SYMMETRIC),
-            SymmetricSolver::Positive | SymmetricSolver::Iterated => Some(ffi::MatOption_MAT_SPD),
-            SymmetricSolver::Unsymmetric | SymmetricSolver::UnsymmetricIterated => None,
+            SparseMethod::Quasidefinite => Some(ffi::MatOption_MAT_SYMMETRIC),
+            SparseMethod::Positive | SparseMethod::Iterated => Some(ffi::MatOption_MAT_SPD),
+            SparseMethod::Unsymmetric | SparseMethod::UnsymmetricIterated => None,
         };
         if let Some(kind) = kind {
             petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;
@@ -52,18 +52,18 @@ impl Symmetric {
         petsc!(KSPSetOptionsPrefix(raw, c"network_".as_ptr()))?;
         petsc!(KSPSetOperators(raw, matrix.raw(), matrix.raw()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
-        if matches!(way, SymmetricSolver::Iterated | SymmetricSolver::UnsymmetricIterated) {
+        if matches!(way, SparseMethod::Iterated | SparseMethod::UnsymmetricIterated) {
             let kept = f64::from(ffi::PETSC_DEFAULT);
-            let (method, inner) = if way == SymmetricSolver::Iterated { (c"cg", "icc") } else { (c"bcgs", "ilu") };
+            let (method, inner) = if way == SparseMethod::Iterated { (c"cg", "icc") } else { (c"bcgs", "ilu") };
             petsc!(KSPSetType(raw, method.as_ptr()))?;
             petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, DEFAULT))?;
             petsc!(PCSetType(pc, c"bjacobi".as_ptr()))?;
             insert_unless_given("-network_sub_pc_type", inner)?;
         } else {
             petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
-            let factors = if way == SymmetricSolver::Unsymmetric { c"lu" } else { c"cholesky" };
+            let factors = if way == SparseMethod::Unsymmetric { c"lu" } else { c"cholesky" };
             petsc!(PCSetType(pc, factors.as_ptr()))?;
-            if way == SymmetricSolver::Positive && session.world().size() == 1 {
+            if way == SparseMethod::Positive && session.world().size() == 1 {
                 petsc!(PCFactorSetMatSolverType(pc, c"cholmod".as_ptr()))?;
             } else {
                 factor_by_mumps(pc)?;
@@ -76,7 +76,7 @@ impl Symmetric {
         if reason != ffi::PCFailedReason_PC_NOERROR {
             return Err(Error::Diverged("the resistances of contacts and films cannot be factored".into()));
         }
-        Ok(Symmetric { solver, _matrix: matrix })
+        Ok(SparseSolver { solver, _matrix: matrix })
     }
 
     /// Solves `A x = rhs`.
