@@ -55,7 +55,7 @@ pub(super) fn gathered<const D: usize>(peers: Peers, problem: &Problem<D>, own: 
     let numbers: Vec<f64> = answered.flat_map(|force| pack(view.identity(&force.contact), force.force)).collect();
     let again = |record: &[f64]| {
         let (identity, force) = unpack(record);
-        ContactForce { contact: Contact::again(problem.domain, problem.balls, identity), force }
+        ContactForce::normal(Contact::again(problem.domain, problem.balls, identity), force)
     };
     let mut forces: Vec<_> = peers.gather(&numbers).chunks(packed_length::<D>()).map(again).collect();
     forces.sort_unstable_by_key(|force| force.contact.identity());

@@ -12,6 +12,20 @@ pub struct ContactForce<const D: usize> {
     pub contact: Contact<D>,
     /// Force on the partner along the normal, and on the body against it; negative only where a contact may pull.
     pub force: f64,
+    /// Force of friction on the partner, across the normal, and on the body against it.
+    pub tangential: SVector<f64, D>,
+}
+
+impl<const D: usize> ContactForce<D> {
+    /// A force along the normal alone.
+    pub fn normal(contact: Contact<D>, force: f64) -> ContactForce<D> {
+        ContactForce { contact, force, tangential: SVector::zeros() }
+    }
+
+    /// The force on the partner.
+    pub fn whole(&self) -> SVector<f64, D> {
+        self.contact.normal * self.force + self.tangential
+    }
 }
 
 impl<const D: usize> Contact<D> {
@@ -27,10 +41,11 @@ impl<const D: usize> Contact<D> {
 /// The force on each of so many bodies by contact forces, which are opposite on the two bodies of a contact.
 pub fn pushes<const D: usize>(bodies: usize, forces: impl IntoIterator<Item = ContactForce<D>>) -> Vec<SVector<f64, D>> {
     let mut pushes = vec![SVector::zeros(); bodies];
-    for ContactForce { contact, force } in forces {
-        pushes[contact.body] -= contact.normal * force;
-        if let Some(other) = contact.other() {
-            pushes[other] += contact.normal * force;
+    for force in forces {
+        let push = force.whole();
+        pushes[force.contact.body] -= push;
+        if let Some(other) = force.contact.other() {
+            pushes[other] += push;
         }
     }
     pushes

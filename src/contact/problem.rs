@@ -68,7 +68,7 @@ impl<const D: usize> Problem<'_, D> {
 
     /// The wanted velocities, corrected by what contact forces do to them.
     pub(super) fn corrected_velocities(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
-        let forces = contacts.iter().zip(forces).map(|(&contact, &force)| ContactForce { contact, force });
+        let forces = contacts.iter().zip(forces).map(|(&contact, &force)| ContactForce::normal(contact, force));
         let pushes = pushes(self.balls.len(), forces);
         (0..pushes.len()).map(|body| self.velocities[body] + pushes[body] / self.weights[body]).collect()
     }

@@ -174,7 +174,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
 
     fn finish(self, view: View<D>, paths: &[Path<D>], rounds: usize) -> Result<ProjectionShare<D>> {
         let placed = self.contacts.iter().zip(&self.forces);
-        let mut forces: Vec<_> = placed.map(|(contact, &force)| ContactForce { contact: view.placed(contact), force }).collect();
+        let mut forces: Vec<_> = placed.map(|(contact, &force)| ContactForce::normal(view.placed(contact), force)).collect();
         forces.sort_unstable_by_key(|force| force.contact.identity());
         let problem = view.problem(&self.share.problem);
         let last = |solver: Solver| Solver::ALL[self.peers.max(solver as usize as f64) as usize];

@@ -270,7 +270,7 @@ impl<const D: usize> Gathered<D> {
         let again = |&identity: &Identity<D>| Contact::again(whole.domain, &balls, renamed(identity, place));
         let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
         let bounds = contacts.iter().zip(self.contacts.values()).filter(|(_, [_, bound])| *bound < 0.0);
-        let lower_bounds: Vec<_> = bounds.map(|(&contact, &[_, force])| ContactForce { contact, force }).collect();
+        let lower_bounds: Vec<_> = bounds.map(|(&contact, &[_, force])| ContactForce::normal(contact, force)).collect();
         let problem = Problem {
             numbers: Some(&numbers),
             balls: &balls,

@@ -114,12 +114,12 @@ impl<const D: usize> TiedProblem<'_, D> {
         let multipliers = program.solve(&contacts.iter().map(|contact| contact.presses).collect::<Vec<bool>>())?;
         let found = contacts.into_iter().zip(&touching).zip(multipliers);
         let force = |((contact, row), multiplier): ((TiedContact<D>, &ScaledRow), f64)| contact.least + multiplier * unit * row.scale;
-        Some(found.map(|found| ContactForce { contact: found.0.0.contact, force: force(found) }).collect())
+        Some(found.map(|found| ContactForce::normal(found.0.0.contact, force(found))).collect())
     }
 
     /// What the least forces of contacts change velocities by.
     fn pulled(&self, island: &TiedIsland, rigid: &Rigid<D>, contacts: &[TiedContact<D>]) -> Vec<SVector<f64, D>> {
-        let least = contacts.iter().map(|contact| ContactForce { contact: contact.contact, force: contact.least });
+        let least = contacts.iter().map(|contact| ContactForce::normal(contact.contact, contact.least));
         let pushes = pushes(self.velocities.len(), least);
         let mut unknowns = vec![SVector::<f64, RIGID>::zeros(); self.rigid.len()];
         for &body in &island.bodies {

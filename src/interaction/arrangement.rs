@@ -146,7 +146,7 @@ impl<const D: usize> PairForce<D> {
 }
 
 impl<const D: usize> From<&ContactForce<D>> for PairForce<D> {
-    fn from(&ContactForce { contact, force }: &ContactForce<D>) -> PairForce<D> {
-        PairForce { contact, force: contact.normal * force, torques: [SMatrix::zeros(); 2] }
+    fn from(force: &ContactForce<D>) -> PairForce<D> {
+        PairForce { contact: force.contact, force: force.whole(), torques: [SMatrix::zeros(); 2] }
     }
 }

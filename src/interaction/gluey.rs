@@ -45,7 +45,7 @@ impl<const D: usize> ContactMemory<D> for Gluey {
     fn lower_bounds(&self, arrangement: &Arrangement<D>, memory: &[AdhesiveContact<D>], step: f64) -> Vec<ContactForce<D>> {
         let bound = |adhesive: &AdhesiveContact<D>| {
             let contact = Contact::again(arrangement.domain, arrangement.balls, adhesive.identity());
-            ContactForce { contact, force: adhesive.gamma * arrangement.impulse_unit(&contact) / step }
+            ContactForce::normal(contact, adhesive.gamma * arrangement.impulse_unit(&contact) / step)
         };
         let mut bounds: Vec<_> = memory.iter().map(bound).collect();
         bounds.sort_unstable_by_key(|bound| bound.contact.identity());

@@ -54,7 +54,7 @@ impl<const D: usize> Interaction<D> for Repulsion {
     fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
         let balls = arrangement.balls;
         let reach = Interaction::<D>::reach(self, balls.iter().map(|ball| ball.radius).fold(0.0, f64::max));
-        let force = |contact: Contact<D>| ContactForce { contact, force: self.force(contact.gap, contact.smaller_radius(balls)) };
+        let force = |contact: Contact<D>| ContactForce::normal(contact, self.force(contact.gap, contact.smaller_radius(balls)));
         let mut contacts: Vec<_> = arrangement.near(reach).into_iter().map(force).collect();
         contacts.retain(|force| force.force > 0.0);
         Forces { contacts, ..Forces::default() }

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
 
 use crate::{
     body::{Twist, components, skew},
-    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner, TangentialForce, pack, packed_length, unpack},
+    contact::{AdhesiveContact, ContactForce, Identity, Memory, Partner, bodies_of, pack, packed_length, unpack},
     geometry::Ball,
     parallel::{Peers, World},
 };
@@ -31,8 +31,10 @@ pub struct ContactHistory<const D: usize> {
     pub partner: Partner,
     /// Which image of the partner.
     pub image: [i32; D],
-    /// The force between them.
+    /// The force between them along the normal.
     pub force: f64,
+    /// The force of friction on the partner, as a vector in space: frames of contacts turn.
+    pub tangential: SVector<f64, D>,
 }
 
 /// Where a body of given motion is.
@@ -87,8 +89,6 @@ pub struct State<const D: usize> {
     pub held: Vec<ContactHistory<D>>,
     /// Contacts of these bodies that stick; none unless contacts are gluey.
     pub stuck: Vec<AdhesiveContact<D>>,
-    /// Tangential forces of those of these contacts that bore a force; none without friction.
-    pub tangential: Vec<TangentialForce<D>>,
 }
 
 impl<const D: usize> Moving<D> {
@@ -110,17 +110,32 @@ impl<const D: usize> Moving<D> {
     }
 }
 
-impl<const D: usize> From<(Identity<D>, f64)> for ContactHistory<D> {
-    fn from(((body, partner, image), force): (Identity<D>, f64)) -> ContactHistory<D> {
-        ContactHistory { body, partner, image, force }
-    }
-}
-
 impl<const D: usize> ContactHistory<D> {
+    /// How many numbers [`pack`](Self::pack) makes.
+    pub const LENGTH: usize = packed_length::<D>() + D;
+
     /// The memory of a contact force.
     pub fn of(contact: &ContactForce<D>) -> ContactHistory<D> {
-        let ContactForce { contact, force } = *contact;
-        ContactHistory { body: contact.body, partner: contact.partner, image: contact.image, force }
+        let ContactForce { contact, force, tangential } = *contact;
+        ContactHistory { body: contact.body, partner: contact.partner, image: contact.image, force, tangential }
+    }
+
+    /// It as numbers.
+    pub fn pack(&self) -> Vec<f64> {
+        let mut numbers = pack(self.identity(), self.force);
+        numbers.extend(&self.tangential);
+        numbers
+    }
+
+    /// What [`pack`](Self::pack) was given.
+    pub fn unpack(numbers: &[f64]) -> ContactHistory<D> {
+        let ((body, partner, image), force) = unpack(numbers);
+        ContactHistory { body, partner, image, force, tangential: SVector::from_column_slice(&numbers[packed_length::<D>()..]) }
+    }
+
+    /// The bodies that it concerns.
+    pub fn bodies(&self) -> impl Iterator<Item = usize> {
+        bodies_of(self.identity())
     }
 
     /// What tells its contact from all others.
@@ -134,8 +149,7 @@ impl<const D: usize> State<D> {
     pub fn start(bodies: impl Iterator<Item = (SVector<f64, D>, Twist<D>)>) -> State<D> {
         let moving = |(center, twist)| Moving { center, rotation: SMatrix::identity(), twist };
         let bodies = bodies.map(moving).collect();
-        let (held, stuck, tangential) = (Vec::new(), Vec::new(), Vec::new());
-        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held, stuck, tangential }
+        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held: Vec::new(), stuck: Vec::new() }
     }
 
     /// How many bodies all ranks have.
@@ -197,55 +211,19 @@ impl<const D: usize> State<D> {
     }
 
     /// The contacts of all ranks that bore a force, on every rank. Collective.
-    pub fn all_held(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        self.all_told(world, self.told().map(|held| (held.identity(), held.force)))
+    pub fn all_held(&self, world: &World) -> Vec<ContactHistory<D>> {
+        if self.share == Share::Whole {
+            return self.told().copied().collect();
+        }
+        let numbers: Vec<f64> = self.told().flat_map(ContactHistory::pack).collect();
+        let mut all: Vec<_> = world.gather(&numbers).chunks(ContactHistory::<D>::LENGTH).map(ContactHistory::unpack).collect();
+        all.sort_unstable_by_key(ContactHistory::identity);
+        all
     }
 
     /// The contacts of all ranks that stick, each with its memory, on every rank. Collective.
     pub fn all_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        self.all_told(world, self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma)))
-    }
-
-    /// The tangential forces of all ranks, on every rank. Collective.
-    pub fn all_tangential(&self, world: &World) -> Vec<TangentialForce<D>> {
-        if self.share == Share::Whole {
-            return self.tangential.clone();
-        }
-        let told = self.tangential.iter().filter(|force| self.tells(force.body));
-        let numbers: Vec<f64> = told.flat_map(TangentialForce::pack).collect();
-        let mut all: Vec<_> = world.gather(&numbers).chunks(TangentialForce::<D>::LENGTH).map(TangentialForce::unpack).collect();
-        all.sort_unstable_by_key(TangentialForce::identity);
-        all
-    }
-
-    /// The tangential forces of contacts of the bodies that this rank writes of, in order.
-    pub fn written_tangential(&self, world: &World) -> Vec<TangentialForce<D>> {
-        let written = self.written(world);
-        let ours = |force: &&TangentialForce<D>| self.place(force.body).is_some_and(|place| written.contains(&place));
-        let mut ours: Vec<_> = self.tangential.iter().filter(ours).copied().collect();
-        ours.sort_unstable_by_key(TangentialForce::identity);
-        ours
-    }
-
-    /// The contacts that bore a force, of the bodies that this rank writes of, in order: all ranks together write of each contact once.
-    pub fn written_held(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        self.written_contacts(world, self.held.iter().map(|held| (held.identity(), held.force)))
-    }
-
-    /// The contacts that stick, each with its memory, in the same way.
-    pub fn written_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        self.written_contacts(world, self.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma)))
-    }
-
-    fn written_contacts(&self, world: &World, contacts: impl Iterator<Item = (Identity<D>, f64)>) -> Vec<(Identity<D>, f64)> {
-        let written = self.written(world);
-        let ours = |&((body, ..), _): &(Identity<D>, f64)| self.place(body).is_some_and(|place| written.contains(&place));
-        let mut ours: Vec<_> = contacts.filter(ours).collect();
-        ours.sort_unstable_by_key(|(identity, _)| *identity);
-        ours
-    }
-
-    fn all_told(&self, world: &World, told: impl Iterator<Item = (Identity<D>, f64)>) -> Vec<(Identity<D>, f64)> {
+        let told = self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma));
         if self.share == Share::Whole {
             return told.collect();
         }
@@ -253,6 +231,26 @@ impl<const D: usize> State<D> {
         let mut all: Vec<(Identity<D>, f64)> = world.gather(&numbers).chunks(packed_length::<D>()).map(unpack).collect();
         all.sort_unstable_by_key(|(identity, _)| *identity);
         all
+    }
+
+    /// The contacts that bore a force, of the bodies that this rank writes of, in order: all ranks together write of each contact once.
+    pub fn written_held(&self, world: &World) -> Vec<ContactHistory<D>> {
+        let mut ours: Vec<_> = self.held.iter().filter(|held| self.writes(world, held.body)).copied().collect();
+        ours.sort_unstable_by_key(ContactHistory::identity);
+        ours
+    }
+
+    /// The contacts that stick, each with its memory, in the same way.
+    pub fn written_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        let ours = self.stuck.iter().filter(|stuck| self.writes(world, stuck.body));
+        let mut ours: Vec<_> = ours.map(|stuck| (stuck.identity(), stuck.gamma)).collect();
+        ours.sort_unstable_by_key(|(identity, _)| *identity);
+        ours
+    }
+
+    fn writes(&self, world: &World, body: usize) -> bool {
+        let written = self.written(world);
+        self.place(body).is_some_and(|place| written.contains(&place))
     }
 
     /// Their centres, not moved back into the box.

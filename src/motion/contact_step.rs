@@ -75,7 +75,7 @@ impl<const D: usize> ContactStep<'_, D> {
         pressed: impl IntoIterator<Item = &'b ContactForce<D>>,
     ) -> Vec<SVector<f64, D>> {
         let weights = self.arrangement.weights;
-        for ContactForce { contact, force } in pressed {
+        for ContactForce { contact, force, .. } in pressed {
             let push = contact.normal * (*force * self.mobile_part(contact));
             velocities[contact.body] += push / weights[contact.body];
             if let Some(other) = contact.other() {
@@ -89,7 +89,7 @@ impl<const D: usize> ContactStep<'_, D> {
     /// down as gaps close, those that pressed then.
     pub fn expected(&self, held: &[ContactHistory<D>], velocities: Vec<SVector<f64, D>>, reach: f64) -> Result<Vec<ContactForce<D>>> {
         let forces: HashMap<_, f64> = held.iter().map(|held| (held.identity(), held.force)).collect();
-        let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce { contact, force });
+        let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce::normal(contact, force));
         let mut held: Vec<ContactForce<D>> = self.arrangement.near(reach).into_iter().filter_map(pressed).collect();
         if self.flow.setup().interactions.resist() {
             held.retain(|held| held.force > (1.0 - SMALLEST_FORCE) * self.least(&held.contact));
@@ -132,7 +132,7 @@ impl<const D: usize> ContactStep<'_, D> {
                     return pressed;
                 }
                 None if contact.opening(velocities) < -contact.gap / self.step - slack => {
-                    pressed.push(ContactForce { contact, force: 0.0 });
+                    pressed.push(ContactForce::normal(contact, 0.0));
                     return pressed;
                 }
                 _ => {}

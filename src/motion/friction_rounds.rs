@@ -10,16 +10,18 @@ use std::{
 use nalgebra::{SMatrix, SVector};
 
 use super::{
+    implicit_springs::{kept_apart, pair},
     quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, Placed, QuasiStatic, disagreement, velocities},
     step_control::StepSize,
-    stepper::{ContactFriction, Effort},
+    stepper::Effort,
+    travel::strain_rate,
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, ImmersedBodies, TangentialForce},
-    error::Result,
-    interaction::Friction,
-    mechanics::{ResidualMonitor, Solution},
+    contact::{Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, ImmersedBodies, NetworkResistance},
+    error::{Error, Result},
+    interaction::{Friction, Spring},
+    mechanics::{ContactHistory, ResidualMonitor, Solution},
     petsc::{Stage, enter},
 };
 
@@ -36,6 +38,10 @@ const PATIENCE: usize = 8;
 /// Tolerance of a solve over what the one before missed the law by, and over what is agreement.
 const FOLLOWS: f64 = 1e-2;
 const TIGHTEST: f64 = 0.1;
+
+/// The same where contacts are held as in the round before: what is missed is then the solve's; and how often.
+const TIGHTER: f64 = 0.1;
+const MOST_REPEATED: i32 = 2;
 
 /// Part of the largest miss of the law from which contacts change where the network has nothing new to say.
 const WORST: f64 = 0.5;
@@ -61,6 +67,8 @@ struct Rounds<'a, const D: usize, const W: usize> {
     held: Vec<HeldContact<D>>,
     /// All that was tried.
     tried: Vec<Vec<HeldContact<D>>>,
+    /// How often in a row the network has said that contacts are held as they were.
+    repeated: i32,
 }
 
 impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
@@ -68,7 +76,7 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>, forces: &Forces<D>) -> Self {
         let contacts = FlowContacts::new(immersed, contacts);
         let held = contacts.by_forces(&forces_at(&contacts, forces));
-        Rounds { contacts, held, tried: Vec::new() }
+        Rounds { contacts, held, tried: Vec::new(), repeated: 0 }
     }
 
     /// The same with more contacts, which bear no force yet.
@@ -89,27 +97,36 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
         forces: &[SVector<f64, D>],
         step_size: StepSize,
     ) -> Agreed<D> {
-        let (mut contacts, mut tangential) = (instant.forces.contacts.clone(), Vec::new());
+        let mut contacts = instant.forces.contacts.clone();
         let mut stress = SMatrix::zeros();
         for (contact, force) in self.contacts.contacts.iter().zip(forces) {
             let normal = force.dot(&contact.normal);
             if normal > 0.0 {
-                contacts.push(ContactForce { contact: *contact, force: normal });
-                let along = force - contact.normal * normal;
-                tangential.push(TangentialForce::new(contact.identity(), along));
-                stress -= (contact.normal * along.transpose() + along * contact.normal.transpose()) * (0.5 * contact.separation);
+                let tangential = force - contact.normal * normal;
+                contacts.push(ContactForce { contact: *contact, force: normal, tangential });
+                stress -= (contact.normal * tangential.transpose() + tangential * contact.normal.transpose()) * (0.5 * contact.separation);
             }
         }
         solution.friction_stress = Some(stress);
-        let friction = ContactFriction { tangential, report: Some(self.contacts.report()) };
-        Agreed { solution, twists, contacts, friction, step_size }
+        Agreed { solution, twists, contacts, friction: Some(self.contacts.report()), step_size }
     }
 
-    /// Goes on to the next states.
-    fn next(&mut self) {
+    /// Goes on to the next states; false if there are none, as contacts leave bodies no way.
+    fn next(&mut self) -> bool {
         let _stage = enter(Stage::Contacts);
-        let next = self.contacts.by_network().filter(|next| !self.was_tried(next)).unwrap_or_else(|| self.with_worst_changed());
+        let by_network = self.contacts.by_network();
+        if by_network.is_none() && self.contacts.is_jammed() == Some(true) {
+            return false;
+        }
+        if let Some(same) = by_network.as_ref().filter(|next| self.repeated < MOST_REPEATED && are_like(&self.held, next)) {
+            // with new directions of slip and new forces about which redundant rows are regular, and solved to less
+            (self.held, self.repeated) = (same.clone(), self.repeated + 1);
+            return true;
+        }
+        let next = by_network.filter(|next| !self.was_tried(next)).unwrap_or_else(|| self.with_worst_changed());
         self.tried.push(std::mem::replace(&mut self.held, next));
+        self.repeated = 0;
+        true
     }
 
     /// The states with those of the contacts changed that miss the law by at least half of the most, or else with the first one that makes them new.
@@ -127,8 +144,7 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     }
 
     fn was_tried(&self, next: &[HeldContact<D>]) -> bool {
-        let like = |one: &[HeldContact<D>]| one.len() == next.len() && one.iter().zip(next).all(|(one, next)| one.is_like(next));
-        like(&self.held) || self.tried.iter().any(|tried| like(tried))
+        are_like(&self.held, next) || self.tried.iter().any(|tried| are_like(tried, next))
     }
 }
 
@@ -154,16 +170,20 @@ impl<const D: usize> QuasiStatic<D> {
         let balls = &placed.touching;
         let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
-        let network = self.suspension.resistance().of_network();
+        let network = self.network(instant, step);
         let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient: friction.coefficient, step };
-        let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(placed, &twists, step, &forces), &forces);
+        let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &forces), &forces);
         let mut forces = forces_at(&rounds.contacts, &forces);
+        if begins_on_springs(instant) {
+            // of springs the step is a part
+            (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+        }
         let mut best: Option<Agreed<D>> = None;
         for round in 0..MOST_ROUNDS {
             let start = Instant::now();
             let mut residual = rounds.contacts.take(&forces, &twists);
             if residual <= agreement {
-                let missing = self.missing(placed, &twists, step, &rounds.contacts)?;
+                let missing = self.missing(instant, &twists, step, &rounds.contacts)?;
                 if missing.is_empty() {
                     effort.contact += start.elapsed().as_secs_f64();
                     return Ok(rounds.agreed(instant, (solution, twists), &forces, step_size));
@@ -171,7 +191,7 @@ impl<const D: usize> QuasiStatic<D> {
                 rounds = rounds.with(immersed, missing, &mut forces);
                 residual = rounds.contacts.take(&forces, &twists);
             }
-            let reached = |best: &Agreed<D>| best.friction.report.map_or(f64::INFINITY, |report| report.residual);
+            let reached = |best: &Agreed<D>| best.friction.map_or(f64::INFINITY, |report| report.residual);
             if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < reached(best)) {
                 best = Some(rounds.agreed(instant, (solution, twists), &forces, step_size));
             }
@@ -180,10 +200,13 @@ impl<const D: usize> QuasiStatic<D> {
             {
                 return Ok(best);
             }
-            rounds.next();
+            if !rounds.next() {
+                return Err(jammed(placed, step, friction));
+            }
             effort.contact += start.elapsed().as_secs_f64();
             self.stop.heed(self.session.world(), placed.state.time)?;
-            let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(TIGHTEST * agreement));
+            let tightest = TIGHTEST * agreement * TIGHTER.powi(rounds.repeated);
+            let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(tightest));
             (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
         }
         let residual = rounds.contacts.take(&forces, &twists);
@@ -200,7 +223,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (placed, step) = (&instant.placed, instant.placed.state.last_step);
         let balls = &placed.touching;
         let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
-        let network = self.suspension.resistance().of_network();
+        let network = self.network(instant, step);
         let coefficient = friction_of(instant).coefficient;
         let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient, step };
         let mut contacts: Vec<Contact<D>> = memory.keys().map(|&identity| contact_again(placed, identity)).collect();
@@ -208,7 +231,8 @@ impl<const D: usize> QuasiStatic<D> {
         let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
         let (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
         let forces = rounds.contacts.contacts.iter().map(Contact::identity).zip(forces).collect();
-        let step_size = self.step_size(placed, &twists, &instant.pushes(), instant.tried)?;
+        let pushes = if begins_on_springs(instant) { Spring::pulled(&instant.springs, instant.pushes()) } else { instant.pushes() };
+        let step_size = self.step_size(placed, &twists, &pushes, instant.tried)?;
         Ok(FirstFlow { solution, twists, forces, step_size })
     }
 
@@ -230,11 +254,18 @@ impl<const D: usize> QuasiStatic<D> {
         Ok((solution, twists, forces))
     }
 
+    /// What bodies resist as a network, with what ties them over a step.
+    fn network(&self, instant: &KnownInstant<D>, step: f64) -> NetworkResistance<D> {
+        NetworkResistance { bonds: self.bonds(instant, step), ..self.suspension.resistance().of_network() }
+    }
+
     /// Contacts that may close in a step, and those that bear forces, in order.
-    fn may_touch(&self, placed: &Placed<D>, twists: &[Twist<D>], step: f64, forces: &Forces<D>) -> Vec<Contact<D>> {
+    fn may_touch(&self, instant: &KnownInstant<D>, twists: &[Twist<D>], step: f64, forces: &Forces<D>) -> Vec<Contact<D>> {
+        let placed = &instant.placed;
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let closing = CLOSING * step / self.time_of_travel(placed, twists);
         let mut contacts = self.arrangement_of(placed, &placed.touching).near(closing.max(NEAREST) * largest);
+        contacts.retain(self.untied(instant, step));
         let found: HashSet<Identity<D>> = contacts.iter().map(Contact::identity).collect();
         let others = forces.keys().filter(|identity| !found.contains(*identity));
         contacts.extend(others.map(|&identity| contact_again(placed, identity)));
@@ -245,16 +276,46 @@ impl<const D: usize> QuasiStatic<D> {
     /// Contacts that would close in the step, on the whole way, and that the rounds do not know.
     fn missing<const W: usize>(
         &self,
-        placed: &Placed<D>,
+        instant: &KnownInstant<D>,
         twists: &[Twist<D>],
         step: f64,
         known: &FlowContacts<D, W>,
     ) -> Result<Vec<Contact<D>>> {
         let known: HashSet<Identity<D>> = known.contacts.iter().map(Contact::identity).collect();
-        let projection = self.contact_step(placed, step).project(&velocities(twists), &[])?;
-        let pressed = projection.forces.into_iter().filter(|pressed| pressed.force > 0.0);
-        Ok(pressed.map(|pressed| pressed.contact).filter(|contact| !known.contains(&contact.identity())).collect())
+        let projection = self.contact_step(&instant.placed, step).project(&velocities(twists), &[])?;
+        let pressed = projection.forces.into_iter().filter(|pressed| pressed.force > 0.0).map(|pressed| pressed.contact);
+        let untied = self.untied(instant, step);
+        Ok(pressed.filter(|contact| !known.contains(&contact.identity()) && untied(contact)).collect())
     }
+
+    /// Tells whether nothing else holds the bodies of a contact at their distance over a step: neither welds nor stiff springs.
+    fn untied<'a>(&self, instant: &'a KnownInstant<D>, step: f64) -> impl Fn(&Contact<D>) -> bool + 'a {
+        let (tied, cluster_of) = (kept_apart(&instant.springs, &self.weights, step), instant.interactions.cluster_of());
+        move |contact| {
+            let sprung = contact.other().is_some_and(|other| tied.contains(&pair(contact.body, other)));
+            !sprung && !contact.within_cluster(cluster_of, |body| body)
+        }
+    }
+}
+
+fn are_like<const D: usize>(one: &[HeldContact<D>], other: &[HeldContact<D>]) -> bool {
+    one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one.is_like(other))
+}
+
+/// What to say where no motion keeps contacts.
+fn jammed<const D: usize>(placed: &Placed<D>, step: f64, friction: Friction) -> Error {
+    let (time, Friction { coefficient, roughness }) = (placed.state.time, friction);
+    let strain = strain_rate(&placed.domain) * time;
+    let text = format!(
+        "at time {time}, strain {strain:.4}, bodies are jammed: no motion of theirs keeps contacts apart in a step of {step:.3e} (contact.friction = \
+         {coefficient}, roughness {roughness}); go on from the last checkpoint with less friction or roughness, or choose a lower fraction"
+    );
+    Error::StepTooLong { text, step }
+}
+
+/// Whether the first step of the run is due, and springs move in it.
+fn begins_on_springs<const D: usize>(instant: &KnownInstant<D>) -> bool {
+    instant.placed.state.last_step == 0.0 && !instant.springs.is_empty()
 }
 
 fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
@@ -268,15 +329,11 @@ fn contact_again<const D: usize>(placed: &Placed<D>, identity: Identity<D>) -> C
 
 /// The forces of contacts in the last step.
 fn forces_of<const D: usize>(placed: &Placed<D>) -> Forces<D> {
-    let normal = |identity: Identity<D>, force: f64| contact_again(placed, identity).normal * force;
-    let mut forces: Forces<D> = placed.state.held.iter().map(|held| (held.identity(), normal(held.identity(), held.force))).collect();
-    for tangential in &placed.state.tangential {
-        if let Some(force) = forces.get_mut(&tangential.identity()) {
-            let along = force.normalize();
-            *force += tangential.force - along * along.dot(&tangential.force);
-        }
-    }
-    forces
+    let force = |held: &ContactHistory<D>| {
+        let normal = contact_again(placed, held.identity()).normal;
+        normal * (held.force - normal.dot(&held.tangential)) + held.tangential
+    };
+    placed.state.held.iter().map(|held| (held.identity(), force(held))).collect()
 }
 
 /// The forces of contacts, zero where none is known.

@@ -24,6 +24,6 @@ pub use quasi_static::QuasiStatic;
 pub use shift_period::ShiftPeriod;
 pub use simulation::{Simulation, StepReport};
 pub use step_control::{BodyMotion, StepControl, StepLimits, StepSize};
-pub use stepper::{ContactFriction, Effort, Observation, StepOutcome, Stepper, StepperView};
+pub use stepper::{Effort, Observation, StepOutcome, Stepper, StepperView};
 pub use stop_request::StopRequest;
 pub use travel::time_of_travel;

@@ -22,13 +22,13 @@ use super::{
     implicit_springs::{LEAST, StepAhead, kept_apart, pair},
     kept_measures::keep,
     step_control::{StepControl, StepLimits, StepSize},
-    stepper::{ContactFriction, Effort, Observation, StepOutcome, Stepper, StepperView},
+    stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
     travel::{accurate_step, time_of_travel},
 };
 use crate::{
     body::{Row, Twist},
-    contact::{AdhesiveContact, ContactForce, KktReport, Partner, Projection},
+    contact::{AdhesiveContact, ContactForce, FrictionReport, KktReport, Partner, Projection},
     error::{Error, Result},
     geometry::{Ball, Domain, near_pairs, near_walls},
     interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
@@ -75,7 +75,7 @@ pub struct QuasiStatic<const D: usize> {
     step_control: StepControl,
     pub(super) radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     /// The same for the mean force of contacts over a step.
     contact_weights: Vec<f64>,
     pub(super) stop: StopRequest,
@@ -86,7 +86,7 @@ pub(super) struct Agreed<const D: usize> {
     pub(super) solution: Solution<D>,
     pub(super) twists: Vec<Twist<D>>,
     pub(super) contacts: Vec<ContactForce<D>>,
-    pub(super) friction: ContactFriction<D>,
+    pub(super) friction: Option<FrictionReport>,
     pub(super) step_size: StepSize,
 }
 
@@ -106,7 +106,7 @@ pub(super) struct KnownInstant<'a, const D: usize> {
     pub(super) interactions: Interactions<D>,
     /// Forces that follow from where bodies are.
     pub(super) forces: Forces<D>,
-    springs: Vec<Spring<D>>,
+    pub(super) springs: Vec<Spring<D>>,
     /// Longest step that is to be tried; nothing in the middle of a step.
     pub(super) tried: Option<f64>,
 }
@@ -258,6 +258,11 @@ impl<const D: usize> QuasiStatic<D> {
         self.suspension.setup().tolerance.in_a_step(self.travelled(instant.placed.state))
     }
 
+    /// What ties bodies over a step of this length.
+    pub(super) fn bonds(&self, instant: &KnownInstant<D>, step: f64) -> Vec<Row<D>> {
+        [self.spring_rows(&instant.placed, &instant.springs, step), instant.interactions.welds(&instant.centers)].concat()
+    }
+
     /// Solves the flow of an instant, and gives the motions of its bodies besides.
     pub(super) fn flow_with(
         &mut self,
@@ -266,8 +271,8 @@ impl<const D: usize> QuasiStatic<D> {
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<(Solution<D>, Vec<Twist<D>>)> {
-        let KnownInstant { placed, centers, interactions, springs, .. } = instant;
-        let bonds = [self.spring_rows(placed, springs, held.step), interactions.welds(centers)].concat();
+        let KnownInstant { placed, centers, .. } = instant;
+        let bonds = self.bonds(instant, held.step);
         let configuration = Configuration {
             centers,
             time: placed.state.time,
@@ -320,7 +325,7 @@ impl<const D: usize> QuasiStatic<D> {
                 continue;
             }
             if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: forces.contacts.clone(), friction: ContactFriction::default(), step_size });
+                return Ok(Agreed { solution, twists, contacts: forces.contacts.clone(), friction: None, step_size });
             }
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
@@ -339,7 +344,7 @@ impl<const D: usize> QuasiStatic<D> {
                     (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
                 }
                 let contacts = [&forces.contacts[..], &projection.forces].concat();
-                return Ok(Agreed { solution, twists, contacts, friction: ContactFriction::default(), step_size });
+                return Ok(Agreed { solution, twists, contacts, friction: None, step_size });
             }
             let projected = contacts.closed(projection);
             if identities(&projected) == identities(&pressed) {
@@ -407,7 +412,9 @@ impl<const D: usize> QuasiStatic<D> {
             moves.iter_mut().zip(apart).for_each(|(twist, velocity)| twist.velocity = velocity);
             keep(interactions, &centers, moves, step);
         }
-        Ok(Some(contacts.smallest_gap_after(moves)).filter(|gap| gap.is_finite()))
+        // of surfaces, not of where they touch
+        let gap = self.contact_step_of(placed, &placed.balls, step).smallest_gap_after(moves);
+        Ok(Some(gap).filter(|gap| gap.is_finite()))
     }
 
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
@@ -526,7 +533,6 @@ impl<const D: usize> QuasiStatic<D> {
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
         ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
-        ahead.tangential.clone_from(&observation.friction.tangential);
         ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
         Ok(self.agree(&ahead, None, effort, monitor)?.twists)
     }
@@ -576,7 +582,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
                     Some(_) => self.contact_step_of(&placed, &placed.balls, step).smallest_gap_after(&moves),
                     None => projection.kkt_report.smallest_gap,
                 };
-                kkt_report = Some(KktReport { smallest_gap, friction: observation.friction.report, ..projection.kkt_report });
+                kkt_report = Some(KktReport { smallest_gap, friction: observation.friction, ..projection.kkt_report });
             }
             Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
             None => {}
@@ -594,7 +600,6 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             twists: observation.twists.clone(),
             contacts: observation.contacts.clone(),
             stuck,
-            tangential: observation.friction.tangential.clone(),
             kkt_report,
             effort,
         })

@@ -114,9 +114,8 @@ impl<const D: usize> Simulation<D> {
         Cow::Owned(State {
             share: Share::Whole,
             bodies: self.gathered(&state.bodies, 0..state.count()).into_iter().map(|(body, _)| body).collect(),
-            held: state.all_held(world).into_iter().map(ContactHistory::from).collect(),
+            held: state.all_held(world),
             stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
-            tangential: state.all_tangential(world),
             ..*state
         })
     }
@@ -335,7 +334,7 @@ impl<const D: usize> Simulation<D> {
         }
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
-        (self.state.stuck, self.state.tangential) = (travel.stuck, travel.tangential);
+        self.state.stuck = travel.stuck;
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // bodies of given motion by the time: sums of steps drift away

@@ -3,7 +3,7 @@
 use super::{step_control::StepSize, stop_request::StopRequest};
 use crate::{
     body::Twist,
-    contact::{AdhesiveContact, ContactForce, FrictionReport, KktReport, TangentialForce},
+    contact::{AdhesiveContact, ContactForce, FrictionReport, KktReport},
     error::Result,
     geometry::Domain,
     interaction::Interactions,
@@ -16,8 +16,8 @@ pub struct Observation<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Contacts and their forces.
     pub contacts: Vec<ContactForce<D>>,
-    /// Friction at them, if it was found with the flow.
-    pub friction: ContactFriction<D>,
+    /// How well the law of friction is kept, if it was found with the flow.
+    pub friction: Option<FrictionReport>,
     /// The flow, if there is one.
     pub solution: Option<Solution<D>>,
     /// The step to take.
@@ -36,7 +36,7 @@ impl<const D: usize> Observation<D> {
         Observation {
             twists,
             contacts: Vec::new(),
-            friction: ContactFriction::default(),
+            friction: None,
             solution: None,
             step_size,
             passed: 0.0,
@@ -44,15 +44,6 @@ impl<const D: usize> Observation<D> {
             effort: Effort::default(),
         }
     }
-}
-
-/// Friction at contacts.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ContactFriction<const D: usize> {
-    /// Tangential forces of contacts that press.
-    pub tangential: Vec<TangentialForce<D>>,
-    /// How well the law was kept; nothing without friction.
-    pub report: Option<FrictionReport>,
 }
 
 /// What an instant or a step cost.
@@ -82,8 +73,6 @@ pub struct StepOutcome<const D: usize> {
     pub contacts: Vec<ContactForce<D>>,
     /// Contacts that stick from now on.
     pub stuck: Vec<AdhesiveContact<D>>,
-    /// Tangential forces of contacts, where there is friction.
-    pub tangential: Vec<TangentialForce<D>>,
     /// How well contacts were kept, if there are any to keep.
     pub kkt_report: Option<KktReport>,
     /// What it took.

@@ -58,7 +58,7 @@ fn between_walls<const D: usize>(domain: &Domain<D>, ball: &Ball<D>) -> SVector<
 }
 
 /// The rate at which a box is sheared, by its images or by its walls.
-fn strain_rate<const D: usize>(domain: &Domain<D>) -> f64 {
+pub(super) fn strain_rate<const D: usize>(domain: &Domain<D>) -> f64 {
     let by_walls = (0..D).filter_map(|axis| domain.axes[axis].walls().map(|[lower, upper]| (upper - lower).norm() / domain.size[axis]));
     by_walls.fold(domain.shear_rate().abs(), f64::max)
 }

@@ -10,11 +10,11 @@
 use super::{Viscosity, dissipation, inertia::energy_of_movers};
 use crate::{
     body::{Motion, Twist, components},
-    contact::ContactForce,
+    contact::{ContactForce, carried},
     error::Result,
     flow::Drive,
-    geometry::Ball,
-    mechanics::{BodyState, FlowSolver, Level, Setup, Solution},
+    geometry::{Ball, Domain},
+    mechanics::{BodyState, FlowSolver, Level, Setup, Solution, SuspendedBody},
 };
 
 /// Energy and powers at an instant.
@@ -49,14 +49,15 @@ impl EnergyRates {
         let (Some(now), Some(extended)) = (levels.first(), flow.extended_flow()?) else { return Ok(None) };
         let ball = |(body, center): (usize, &_)| Ball { center: *center, ..setup.bodies[body].body.ball };
         let balls: Vec<Ball<D>> = now.centers.iter().enumerate().map(ball).collect();
+        let touching = Touching { domain: &setup.domain, balls: &balls, contacts };
         let by_shear = viscosity.map_or(0.0, |viscosity| viscosity_of_power(&viscosity) * setup.viscosity * viscosity.rate.powi(2));
         let drive = setup.domain.volume() * by_shear + power_of_drive(setup, solution);
         Ok(Some(EnergyRates {
             kinetic_energy: energy_of_movers(setup, solver.grid(), solution, levels.len() == 1)?,
-            power: drive + power_of_motions(setup, now, &solution.bodies) + power_against_contacts(setup, now, contacts),
+            power: drive + power_of_motions(setup, now, &solution.bodies) + touching.power_of_given_motions(setup, now),
             viscous: setup.viscosity * dissipation(solver.grid(), &balls, &extended, &setup.drive)?,
             films: solution.lubrication.map(|films| films.dissipation),
-            lost_in_contacts: levels.get(1).map_or(0.0, |before| lost_in_contacts([now, before], contacts)),
+            lost_in_contacts: levels.get(1).map_or(0.0, |before| touching.lost([now, before])),
         }))
     }
 }
@@ -89,22 +90,29 @@ fn power_of_motions<const D: usize>(setup: &Setup<D>, now: &Level<D>, states: &[
     now.twists.iter().enumerate().map(of_body).sum()
 }
 
-/// What moves bodies of given motion does against the contacts that press them.
-fn power_against_contacts<const D: usize>(setup: &Setup<D>, now: &Level<D>, contacts: &[ContactForce<D>]) -> f64 {
-    let given = |body: usize| if setup.bodies[body].body.free() { 0.0 } else { 1.0 };
-    let of_contact = |ContactForce { contact, force }: &ContactForce<D>| {
-        let along = |body: usize| given(body) * contact.normal.dot(&now.twists[body].velocity);
-        force * (along(contact.body) - contact.other().map_or(0.0, along))
-    };
-    contacts.iter().map(of_contact).sum()
+/// Balls and the forces at their contacts.
+struct Touching<'a, const D: usize> {
+    domain: &'a Domain<D>,
+    balls: &'a [Ball<D>],
+    contacts: &'a [ContactForce<D>],
 }
 
-/// What contacts took in the step between two levels: their force times the mean speed at which they closed.
-fn lost_in_contacts<const D: usize>([now, before]: [&Level<D>; 2], contacts: &[ContactForce<D>]) -> f64 {
-    let [velocities, earlier] = [now, before].map(|level| level.twists.iter().map(|twist| twist.velocity).collect::<Vec<_>>());
-    let opened =
-        |ContactForce { contact, force }: &ContactForce<D>| 0.5 * force * (contact.opening(&velocities) + contact.opening(&earlier));
-    -(now.time - before.time) * contacts.iter().map(opened).sum::<f64>()
+impl<const D: usize> Touching<'_, D> {
+    /// What moves bodies of given motion does against the contacts that press them.
+    fn power_of_given_motions(&self, setup: &Setup<D>, now: &Level<D>) -> f64 {
+        let given = |(suspended, twist): (&SuspendedBody<D>, &Twist<D>)| if suspended.body.free() { Twist::zero() } else { *twist };
+        let twists: Vec<Twist<D>> = setup.bodies.iter().zip(&now.twists).map(given).collect();
+        -self.contacts.iter().map(|force| force.power(self.balls, &twists)).sum::<f64>()
+    }
+
+    /// What contacts took in the step between two levels: their forces times the mean velocities with which surfaces closed and slid.
+    fn lost(&self, levels: [&Level<D>; 2]) -> f64 {
+        let power = |force: &ContactForce<D>| {
+            let of_bodies: f64 = levels.iter().map(|level| 0.5 * force.power(self.balls, &level.twists)).sum();
+            of_bodies + force.whole().dot(&carried(self.domain, &force.contact))
+        };
+        -(levels[0].time - levels[1].time) * self.contacts.iter().map(power).sum::<f64>()
+    }
 }
 
 fn relative_to_shear<const D: usize>(setup: &Setup<D>, twist: &Twist<D>, now: &Level<D>, body: usize) -> Twist<D> {

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     body::Motion,
-    contact::ContactForce,
+    contact::{ContactForce, Partner},
     error::Result,
     flow::Drive,
     geometry::Axis,
@@ -66,7 +66,10 @@ pub fn viscosity<const D: usize>(
     let stress = Stress::of(setup, grid, solution, contacts, &shear)?;
     let from_walls = match setup.domain.axes[shear.gradient] {
         Axis::Periodic | Axis::Sheared(_) | Axis::Open(_) => None,
-        Axis::Walls { lower, upper } => Some(wall_shear(grid, setup.viscosity, solution, &shear, [lower, upper])? / shear.rate),
+        Axis::Walls { lower, upper } => {
+            let by_contacts = contact_shear(setup, contacts, &shear);
+            Some((wall_shear(grid, setup.viscosity, solution, &shear, [lower, upper])? + by_contacts) / shear.rate)
+        }
     };
     Ok(Some(Viscosity {
         rate: shear.rate,
@@ -107,6 +110,17 @@ fn uneven<const D: usize>(setup: &Setup<D>, shear: &Shear<D>) -> Option<f64> {
     let net = (driven + setup.bodies.iter().map(pull).sum::<SVector<f64, D>>()).dot(&shear.flow);
     let difference = net * setup.domain.size[shear.gradient] / (volume * setup.viscosity * shear.rate);
     (difference.abs() > EVEN).then_some(difference)
+}
+
+/// Mean over both walls of the shear stress by contacts with them, over viscosity: their friction, which the flow does not bear.
+fn contact_shear<const D: usize>(setup: &Setup<D>, contacts: &[ContactForce<D>], shear: &Shear<D>) -> f64 {
+    let area = setup.domain.volume() / setup.domain.size[shear.gradient];
+    let on_wall = |force: &ContactForce<D>| match force.contact.partner {
+        Partner::Wall { axis, upper } if axis == shear.gradient => force.whole().dot(&shear.flow) * if upper { -1.0 } else { 1.0 },
+        _ => 0.0,
+    };
+    // a sum of nothing is -0
+    0.0 + contacts.iter().map(on_wall).sum::<f64>() / (2.0 * area * setup.viscosity)
 }
 
 /// Mean over both walls of the velocity gradient at the wall, as the forces on the walls or the momentum balance of the grid have it.

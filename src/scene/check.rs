@@ -169,19 +169,14 @@ fn check_friction(scene: &Scene) -> Result<()> {
     if let Some(roughness) = scene.contact.roughness {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
         expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
-        expect(!tied, "is that of single balls so far; remove it, or [[chains]], [[cells]] and [[clusters]]")?;
     }
     if friction == 0.0 {
         return Ok(());
     }
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
-    expect(
-        scene.flow.model != FlowModel::NavierStokes,
-        "acts in dry runs and in Stokes flow so far; set flow.model = \"stokes\" or remove it",
-    )?;
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
-    expect(!tied, "acts on single balls so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
+    expect(!tied || !scene.dry(), "acts on single balls in dry runs so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
 }
 
 fn check_lubrication(scene: &Scene) -> Result<()> {

@@ -156,7 +156,7 @@ fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     let Some(law) = interaction.contact().memory else { return };
     assert!(law.remember(&arrangement, &[], &[], 0.1).is_empty() && law.lower_bounds(&arrangement, &[], 0.1).is_empty());
     let mut pressed: Vec<ContactForce<2>> =
-        arrangement.near(0.5).into_iter().map(|contact| ContactForce { contact, force: 1.0 + contact.gap }).collect();
+        arrangement.near(0.5).into_iter().map(|contact| ContactForce::normal(contact, 1.0 + contact.gap)).collect();
     pressed.sort_by_key(|pressed| pressed.contact.identity());
     let memory = law.remember(&arrangement, &[], &pressed, 0.1);
     let bounds = law.lower_bounds(&arrangement, &memory, 0.1);
@@ -295,7 +295,7 @@ fn the_stress_of_a_force_at_a_distance_is_that_of_the_same_force_in_contact(_: &
     let arrangement =
         Arrangement { domain: &domain, numbers: None, balls: &balls, weights: &[1.0; 6], viscosity: None, reach: f64::INFINITY, time: 0.0 };
     let contact = arrangement.near(0.5)[0];
-    let stress = PairForce::from(&ContactForce { contact, force: 3.0 }).stress();
+    let stress = PairForce::from(&ContactForce::normal(contact, 3.0)).stress();
     let expected = contact.normal * contact.normal.transpose() * (-3.0 * contact.separation);
     assert!((stress - expected).norm() < 1e-14, "{stress}");
 }

@@ -259,6 +259,7 @@ fn frames_give_back_their_contacts(session: &Session) {
             gap: 0.01 * place as f64,
             force: 1.5 - place as f64,
             gamma: gluey.then_some(-0.25 * place as f64),
+            friction: (!gluey).then(|| SVector::from_fn(|axis, _| 0.125 * (place + 2 * axis) as f64)),
         };
         let bodies = bodies(domain, 0, 5);
         for (step, (count, gluey)) in [(0, true), (3, true), (2, false)].into_iter().enumerate() {
@@ -269,6 +270,7 @@ fn frames_give_back_their_contacts(session: &Session) {
         }
         let listed = fs::read_to_string(folder.join("contacts.xdmf")).unwrap();
         assert_eq!((listed.matches("<Time").count(), listed.matches("contacts/gamma").count()), (2, 1), "{listed}");
+        assert_eq!(listed.matches("contacts/friction").count(), 1, "{listed}");
         session.world().barrier();
         // without a law of contact there is nothing of it, and nothing of an earlier run is left
         let mut frames = Frames::create(session.world(), &folder).unwrap();

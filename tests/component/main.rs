@@ -31,6 +31,7 @@ mod fitted_scalar;
 mod fluid;
 mod friction;
 mod friction_in_flow;
+mod friction_with_all;
 mod grid;
 mod hard;
 mod impacts;
@@ -122,6 +123,7 @@ fn main() {
         fluid::tests(),
         friction::tests(),
         friction_in_flow::tests(),
+        friction_with_all::tests(),
         transform::tests(),
         units::tests(),
         near::tests(),

@@ -51,7 +51,7 @@ impl<const D: usize> Interaction<D> for Linear {
     }
 
     fn forces(&self, arrangement: &Arrangement<D>) -> Forces<D> {
-        let force = |contact: Contact<D>| ContactForce { contact, force: -self.stiffness * contact.gap };
+        let force = |contact: Contact<D>| ContactForce::normal(contact, -self.stiffness * contact.gap);
         let contacts = arrangement.near(0.0).into_iter().filter(|contact| contact.gap < 0.0).map(force).collect();
         Forces { contacts, ..Forces::default() }
     }

@@ -68,16 +68,7 @@ impl Stepper<2> for Hurdles {
             self.refuse(state.time, step)?;
         }
         let (moves, effort) = (observation.twists.clone(), Effort::default());
-        Ok(StepOutcome {
-            step,
-            twists: moves.clone(),
-            moves,
-            contacts: Vec::new(),
-            stuck: Vec::new(),
-            tangential: Vec::new(),
-            kkt_report: None,
-            effort,
-        })
+        Ok(StepOutcome { step, twists: moves.clone(), moves, contacts: Vec::new(), stuck: Vec::new(), kkt_report: None, effort })
     }
 
     fn view(&self) -> StepperView<'_, 2> {

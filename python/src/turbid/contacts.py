@@ -26,6 +26,7 @@ class Contacts:
         gap: Distances between the surfaces.
         force: Forces between them, positive where they push.
         gamma: Memories of contacts, where they are gluey.
+        friction: Forces of friction on the partners, across the normals, where contacts have friction.
     """
 
     body: Counts
@@ -36,6 +37,7 @@ class Contacts:
     gap: Floats
     force: Floats
     gamma: Floats | None = None
+    friction: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.body)
@@ -44,7 +46,10 @@ class Contacts:
     def table(self) -> pd.DataFrame:
         """All of it as a table."""
         columns: dict[str, npt.NDArray[np.generic]] = {"body": self.body, "partner": self.partner, "gap": self.gap, "force": self.force}
-        for name, vectors in (("point", self.point), ("normal", self.normal), ("image", self.image)):
+        vectors_of = {"point": self.point, "normal": self.normal, "image": self.image}
+        if self.friction is not None:
+            vectors_of["friction"] = self.friction
+        for name, vectors in vectors_of.items():
             columns |= {f"{name}_{axis}": component for axis, component in zip("xyz", vectors.T)}
         if self.gamma is not None:
             columns["gamma"] = self.gamma

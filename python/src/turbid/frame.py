@@ -152,7 +152,8 @@ class Frame:
             vectors = np.zeros((0, dimension))
             return Contacts(whole, whole, vectors.astype(np.int32), vectors, vectors, real, real)
         point, normal, image = (found[name][:, :dimension] for name in ("point", "normal", "image"))
-        return Contacts(found["body"], found["partner"], image, point, normal, found["gap"], found["force"], found.get("gamma"))
+        friction = found["friction"][:, :dimension] if "friction" in found else None
+        return Contacts(found["body"], found["partner"], image, point, normal, found["gap"], found["force"], found.get("gamma"), friction)
 
     @cached_property
     def bonds(self) -> Bonds:

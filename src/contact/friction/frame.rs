@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::{Twist, planes},
-    contact::{Contact, Partner},
+    contact::{Contact, ContactForce, Partner},
     geometry::{Ball, Domain},
 };
 
@@ -43,10 +43,14 @@ impl<const D: usize> Frame<D> {
 
     /// The velocity of the partner's surface relative to the body's.
     pub fn slip(&self, (domain, contact): (&Domain<D>, &Contact<D>), twists: &[Twist<D>]) -> SVector<f64, D> {
+        self.between(contact, twists) + carried(domain, contact)
+    }
+
+    /// The same without what images and walls add.
+    fn between(&self, contact: &Contact<D>, twists: &[Twist<D>]) -> SVector<f64, D> {
         let normal = &contact.normal;
         let own = twists[contact.body].at(&(normal * self.arms[0]));
-        let partner = contact.other().map_or_else(SVector::zeros, |other| twists[other].at(&(-normal * self.arms[1])));
-        partner + carried(domain, contact) - own
+        contact.other().map_or_else(SVector::zeros, |other| twists[other].at(&(-normal * self.arms[1]))) - own
     }
 
     /// The same along the axes, with the gap over the step along the normal: `u`.
@@ -67,6 +71,13 @@ impl<const D: usize> Frame<D> {
         let lever = self.axes[0] * arm;
         // of a skew matrix the entries (row, column) are force times lever minus its transpose
         impulse * lever.transpose() - lever * impulse.transpose()
+    }
+}
+
+impl<const D: usize> ContactForce<D> {
+    /// What the force does on its two bodies, which move so.
+    pub fn power(&self, balls: &[Ball<D>], twists: &[Twist<D>]) -> f64 {
+        self.whole().dot(&Frame::new(&self.contact, balls).between(&self.contact, twists))
     }
 }
 

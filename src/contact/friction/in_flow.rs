@@ -133,6 +133,11 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         Some((0..self.contacts.len()).map(|place| self.held(place, &best.forces[place], &velocities[place])).collect())
     }
 
+    /// Whether contacts leave bodies no way, if that is found.
+    pub fn is_jammed(&self) -> Option<bool> {
+        self.program.is_jammed()
+    }
+
     /// How they are held by what each alone makes of the last solve.
     pub fn by_contact(&self) -> Vec<HeldContact<D>> {
         self.found.iter().enumerate().map(|(place, (force, velocity))| self.held(place, force, velocity)).collect()

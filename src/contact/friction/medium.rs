@@ -14,6 +14,8 @@ pub struct Resisting {
     pub ends: [usize; 2],
     /// What each motion makes each body feel, symmetric: blocks (1, 1), (1, 2), (2, 1), (2, 2), or the first alone, each row by row.
     pub blocks: Blocks,
+    /// Whether it ties them, however weak a contact of theirs is.
+    pub ties: bool,
 }
 
 /// What resists between the bodies of a program, factored.
@@ -30,7 +32,7 @@ impl Resisting {
         let pairs = sides.iter().flat_map(|one| sides.iter().map(move |other| (one, other)));
         let entries =
             pairs.flat_map(|(one, other)| one.iter().flat_map(move |row| other.iter().map(move |column| resistance * row * column)));
-        Resisting { ends, blocks: entries.collect() }
+        Resisting { ends, blocks: entries.collect(), ties: false }
     }
 
     fn bodies(&self) -> &[usize] {
@@ -102,10 +104,10 @@ impl<const W: usize> Medium<W> {
         forces
     }
 
-    /// For each contact what a unit impulse along each of its rows moves it by while all other bodies are at rest.
+    /// For each contact what a unit impulse along each of its rows moves it by while all other bodies are at rest, and nothing is tied to them.
     pub fn own_mobilities<const D: usize>(&self, links: &[Link<D, W>]) -> Vec<[f64; D]> {
         let mut blocks = HashMap::<[usize; 2], DMatrix<f64>>::new();
-        for (pair, block) in self.resisting.iter().flat_map(Resisting::each::<W>) {
+        for (pair, block) in self.resisting.iter().filter(|resisting| !resisting.ties).flat_map(Resisting::each::<W>) {
             *blocks.entry(pair).or_insert_with(|| DMatrix::zeros(W, W)) += DMatrix::from_row_slice(W, W, block);
         }
         links.iter().map(|link| own_mobility(link, &blocks)).collect()

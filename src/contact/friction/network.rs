@@ -9,6 +9,9 @@ use crate::{
     geometry::{Ball, Domain},
 };
 
+/// Compliance of welds in the network, over the mobility of their bodies: the network only tells who sticks and who slips.
+const RIGID: f64 = 1e-6;
+
 /// Bodies in a fluid, as a network knows them.
 #[derive(Clone, Copy)]
 pub struct ImmersedBodies<'a, const D: usize> {
@@ -31,6 +34,8 @@ pub struct NetworkResistance<const D: usize> {
     pub bodies: Vec<[f64; 2]>,
     /// Films between them and with walls; compliances are speed over force.
     pub films: Vec<Row<D>>,
+    /// Bonds and welds; compliances are speed over force.
+    pub bonds: Vec<Row<D>>,
     /// What the flow between two near bodies resists beyond that.
     pub pairs: Vec<NearResistance>,
 }
@@ -47,10 +52,24 @@ pub struct NearResistance {
 impl<const D: usize> NetworkResistance<D> {
     /// What resists between bodies that give way, in their unknowns: without what neighbours resist if that has no factors.
     pub(super) fn medium<const W: usize>(&self, free: &[usize]) -> Medium<W> {
-        let films = || self.films.iter().filter_map(|film| of_film::<D, W>(film, free, &self.bodies));
+        let row = |row: &Row<D>, compliance: f64| of_row::<D, W>(row, compliance, free, &self.bodies);
+        let films = || self.films.iter().filter_map(|film| row(film, film.compliance));
+        // what ties more than two bodies is no part of a network of pairs
+        let pairwise = || self.bonds.iter().filter(|bond| bond.ends.len() <= 2);
+        let tied = |bond: &Row<D>| Some(Resisting { ties: true, ..row(bond, bond.compliance + RIGID * self.mobility(bond))? });
+        let rows = || films().chain(pairwise().filter_map(tied));
         let pairs = self.pairs.iter().filter_map(|pair| of_pair::<D, W>(pair, free, &self.bodies));
-        let all = Medium::new(free.len(), films().chain(pairs).collect());
-        all.or_else(|| Medium::new(free.len(), films().collect())).unwrap_or_else(Medium::none)
+        let all = Medium::new(free.len(), rows().chain(pairs).collect());
+        all.or_else(|| Medium::new(free.len(), rows().collect())).unwrap_or_else(Medium::none)
+    }
+
+    /// Rate that a unit force of a row causes where each body is alone.
+    fn mobility(&self, row: &Row<D>) -> f64 {
+        let of_end = |(body, side): &(usize, RigidFunctional<D>)| {
+            let turning: f64 = components(&side.turn).iter().map(|entry| entry * entry).sum();
+            side.direction.norm_squared() / self.bodies[*body][0] + turning / self.bodies[*body][1]
+        };
+        row.ends.iter().map(of_end).sum()
     }
 }
 
@@ -69,20 +88,20 @@ fn of_pair<const D: usize, const W: usize>(pair: &NearResistance, free: &[usize]
             blocks.extend(entries.iter().zip(&scales[other]).map(|(entry, of_column)| entry / (of_row * of_column)));
         }
     }
-    Some(Resisting { ends: [*ends.first()?, ends.get(1).copied().unwrap_or(NONE)], blocks })
+    Some(Resisting { ends: [*ends.first()?, ends.get(1).copied().unwrap_or(NONE)], blocks, ties: false })
 }
 
-/// A film between bodies that give way.
-fn of_film<const D: usize, const W: usize>(film: &Row<D>, free: &[usize], resistances: &[[f64; 2]]) -> Option<Resisting> {
+/// A row between bodies that give way, with this compliance.
+fn of_row<const D: usize, const W: usize>(row: &Row<D>, compliance: f64, free: &[usize], resistances: &[[f64; 2]]) -> Option<Resisting> {
     let scaled = |body: usize, side: &RigidFunctional<D>| -> [f64; W] {
         let (turning, scales) = (components(&side.turn), scales::<D, W>(resistances[body]));
         std::array::from_fn(|place| (if place < D { side.direction[place] } else { turning[place - D] }) / scales[place])
     };
     let sides: Vec<(usize, [f64; W])> =
-        film.ends.iter().filter_map(|(body, side)| Some((free.binary_search(body).ok()?, scaled(*body, side)))).collect();
+        row.ends.iter().filter_map(|(body, side)| Some((free.binary_search(body).ok()?, scaled(*body, side)))).collect();
     let end = |number: usize| sides.get(number).map_or((NONE, [0.0; W]), |side| *side);
     let [(one, first), (two, second)] = [end(0), end(1)];
-    (one != NONE).then(|| Resisting::of_row([one, two], &[first, second], 1.0 / film.compliance))
+    (one != NONE).then(|| Resisting::of_row([one, two], &[first, second], 1.0 / compliance))
 }
 
 #[cfg(test)]
@@ -101,7 +120,7 @@ mod tests {
         let near = SMatrix::<f64, 6, 6>::from_fn(|row, column| if row == column { 2.0 } else { 0.1 * (row + column) as f64 });
         let pair = NearResistance { bodies: [1, 2], matrix: near.transpose().as_slice().to_vec() };
         let bodies = vec![[2.0, 3.0], [f64::INFINITY; 2], [1.0, 0.5]];
-        let network = NetworkResistance { bodies: bodies.clone(), films: vec![film], pairs: vec![pair] };
+        let network = NetworkResistance { bodies: bodies.clone(), films: vec![film], bonds: Vec::new(), pairs: vec![pair] };
         let medium = network.medium::<3>(&[0, 2]);
         let drags = [bodies[0], bodies[2]].map(|[translation, rotation]| Vector3::new(translation, translation, rotation));
         let vector = |side: &RigidFunctional<2>| Vector3::new(side.direction[0], side.direction[1], components(&side.turn)[0]);

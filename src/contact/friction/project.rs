@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    FrictionProjection, FrictionShare, TangentialForce,
+    FrictionProjection, FrictionShare,
     certificate::{Certified, certify},
     frame::Frame,
     islands::{Cost, Forces, Shared},
@@ -101,10 +101,12 @@ impl<'a, const D: usize> Rounds<'a, D> {
     fn solve(&mut self, memory: &Memory<D>) {
         let seen = self.look();
         let Seen { view, masses, twists, contacts } = &seen;
-        let last: BTreeMap<Identity<D>, SVector<f64, D>> = self.friction.last.iter().map(|last| (last.identity(), last.force)).collect();
         let guess = |identity: &Identity<D>| match self.forces.get(identity) {
             Some(held) => held.force,
-            None => self.contacts[identity].normal * memory.force(identity) + last.get(identity).copied().unwrap_or_else(SVector::zeros),
+            None => {
+                self.contacts[identity].normal * memory.force(identity)
+                    + self.friction.last.get(identity).copied().unwrap_or_else(SVector::zeros)
+            }
         };
         let shared = Shared { peers: self.peers, view, share: self.share, masses, twists, contacts };
         let (forces, cost) = shared.solve(self.friction, &guess);
@@ -166,9 +168,9 @@ impl<'a, const D: usize> Rounds<'a, D> {
                 Certified { domain, view: &view, masses: &masses, twists: &twists, ends: &ends, contacts: &contacts, step, coefficient };
             certify(self.peers, &certified, &force, &mut report);
         }
-        let tangential = self.tangential(&forces);
+        let forces = forces.into_values().map(|force| self.with_side(force)).collect();
         let kkt_report = KktReport { friction: Some(report), ..found.projection.kkt_report };
-        FrictionProjection { velocities, spins, forces: forces.into_values().collect(), tangential, kkt_report }
+        FrictionProjection { velocities, spins, forces, kkt_report }
     }
 
     /// Normal forces of all contacts: those found with friction where that was solved, else those that keep bodies apart.
@@ -177,7 +179,7 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let mut normals: BTreeMap<Identity<D>, ContactForce<D>> = apart.map(|force| (force.contact.identity(), force)).collect();
         for (identity, contact) in &self.contacts {
             if self.forces.get(identity).is_none_or(|held| held.is_solved) {
-                normals.insert(*identity, ContactForce { contact: *contact, force: self.normal_force(contact) });
+                normals.insert(*identity, ContactForce::normal(*contact, self.normal_force(contact)));
             }
         }
         normals
@@ -194,9 +196,10 @@ impl<'a, const D: usize> Rounds<'a, D> {
         held.map_or_else(SVector::zeros, |held| held.force - contact.normal * held.force.dot(&contact.normal))
     }
 
-    /// The tangential forces of contacts that press.
-    fn tangential(&self, normals: &BTreeMap<Identity<D>, ContactForce<D>>) -> Vec<TangentialForce<D>> {
-        let pressing = normals.iter().filter(|(identity, force)| force.force > 0.0 && self.contacts.contains_key(*identity));
-        pressing.map(|(identity, _)| TangentialForce::new(*identity, self.side(identity))).collect()
+    /// The force of a contact with its tangential part, if it presses.
+    fn with_side(&self, force: ContactForce<D>) -> ContactForce<D> {
+        let identity = force.contact.identity();
+        let presses = force.force > 0.0 && self.contacts.contains_key(&identity);
+        if presses { ContactForce { tangential: self.side(&identity), ..force } } else { force }
     }
 }

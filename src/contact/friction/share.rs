@@ -1,9 +1,10 @@
 //! What friction needs to know of the bodies of a rank, and what it finds.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{SMatrix, SVector};
 
-use super::TangentialForce;
-use crate::contact::{ContactForce, KktReport};
+use crate::contact::{ContactForce, Identity, KktReport};
 
 /// The own bodies of a rank as friction knows them, besides their [`Problem`](crate::contact::Problem), whose weights are masses over the step.
 #[derive(Debug, Clone, Copy)]
@@ -14,8 +15,8 @@ pub struct FrictionShare<'a, const D: usize> {
     pub spins: &'a [SMatrix<f64, D, D>],
     /// Moments of inertia, infinite where a motion is given.
     pub inertias: &'a [f64],
-    /// Tangential forces of the last step: a place to start from.
-    pub last: &'a [TangentialForce<D>],
+    /// Tangential forces of the last step by contact: a place to start from.
+    pub last: &'a BTreeMap<Identity<D>, SVector<f64, D>>,
 }
 
 /// A rank's part of a projection with friction.
@@ -24,10 +25,8 @@ pub struct FrictionProjection<const D: usize> {
     pub velocities: Vec<SVector<f64, D>>,
     /// Their spins.
     pub spins: Vec<SMatrix<f64, D, D>>,
-    /// Normal forces of their contacts, of which many may be zero; bodies are named by their numbers.
+    /// Forces of their contacts, of which many may be zero; bodies are named by their numbers.
     pub forces: Vec<ContactForce<D>>,
-    /// Tangential forces of those that press.
-    pub tangential: Vec<TangentialForce<D>>,
     /// How good the answer is, and what it cost; of all ranks.
     pub kkt_report: KktReport,
 }

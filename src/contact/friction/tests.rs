@@ -193,3 +193,24 @@ fn contacts_that_open_bear_nothing() {
     assert_eq!((found.residual, found.sweeps, program.residual(&found.forces)), (0.0, 0, 0.0));
     assert!(found.forces.iter().all(|force| *force == [0.0; 2]));
 }
+
+/// Disks or spheres in a row between two walls that come nearer, or that part: contacts leave no way, or do.
+#[test]
+fn contacts_that_must_close_are_jammed_and_others_are_not() {
+    fn squeezed<const D: usize, const W: usize>(speed: f64, coefficient: f64) -> Option<bool> {
+        let center = |body: usize| SVector::<f64, D>::from_fn(|axis, _| if axis + 1 == D { 1.0 + 2.0 * body as f64 } else { 50.0 });
+        let balls: Vec<Ball<D>> = (0..3).map(|body| Ball { center: center(body), radius: 1.0 }).collect();
+        let mut twists = vec![Twist::zero(); 3];
+        twists[2].velocity[D - 1] = speed;
+        let mut pile = Pile::new(balls, twists, (0.1, 0.1));
+        // the last one is moved by hand
+        pile.masses[2] = [f64::INFINITY; 2];
+        pile.program::<W>(coefficient).is_jammed()
+    }
+    for coefficient in [0.0, 0.5, 2.0] {
+        assert_eq!([-1e-3, 1e-3].map(|speed| squeezed::<2, 3>(speed, coefficient)), [Some(true), Some(false)]);
+        assert_eq!([-1e-3, 1e-3].map(|speed| squeezed::<3, 6>(speed, coefficient)), [Some(true), Some(false)]);
+    }
+    assert_eq!(disks().program::<3>(0.5).is_jammed(), Some(false));
+    assert_eq!(spheres().program::<6>(0.5).is_jammed(), Some(false));
+}

@@ -19,6 +19,8 @@ pub struct GeneralAnswer {
     pub slacks: Vec<f64>,
     pub iterations: usize,
     pub infeasible: bool,
+    /// Whether it is a solution to what was asked for.
+    pub solved: bool,
 }
 
 /// Solves a program; `None` if the solver does not accept it.
@@ -30,13 +32,21 @@ pub fn solve_by_clarabel(program: &Program) -> Option<Answer> {
 /// The least `x` with `B x = b` and `A x + c >= 0`, where columns of `transposed` are the rows of `B`, then those of `A`; `None` if the solver does not
 /// accept it.
 pub fn solve_general(transposed: &CscMatrix<f64>, equations: &[f64], offsets: &[f64]) -> Option<GeneralAnswer> {
+    let equal = (!equations.is_empty()).then_some(SupportedConeT::ZeroConeT(equations.len()));
+    let cones: Vec<SupportedConeT<f64>> = equal.into_iter().chain([SupportedConeT::NonnegativeConeT(offsets.len())]).collect();
+    let sides: Vec<f64> = equations.iter().map(|side| -side).chain(offsets.iter().copied()).collect();
+    let mut answer = solve_in_cones(transposed, &sides, &cones)?;
+    answer.multipliers = answer.multipliers.split_off(equations.len());
+    answer.slacks = answer.slacks.split_off(equations.len());
+    Some(answer)
+}
+
+/// The least `x` with `A x + c` in cones, where columns of `transposed` are the rows of `A`; `None` if the solver does not accept it.
+pub fn solve_in_cones(transposed: &CscMatrix<f64>, offsets: &[f64], cones: &[SupportedConeT<f64>]) -> Option<GeneralAnswer> {
     let unknowns = transposed.m;
     let metric = CscMatrix::identity(unknowns);
     let mut matrix = CscMatrix::from(transposed.t());
     matrix.nzval.iter_mut().for_each(|value| *value = -*value);
-    let sides: Vec<f64> = equations.iter().map(|side| -side).chain(offsets.iter().copied()).collect();
-    let equal = (!equations.is_empty()).then_some(SupportedConeT::ZeroConeT(equations.len()));
-    let cones: Vec<SupportedConeT<f64>> = equal.into_iter().chain([SupportedConeT::NonnegativeConeT(offsets.len())]).collect();
     let settings = DefaultSettings {
         verbose: false,
         presolve_enable: false,
@@ -46,13 +56,16 @@ pub fn solve_general(transposed: &CscMatrix<f64>, equations: &[f64], offsets: &[
         tol_gap_rel: DUALITY_GAP,
         ..DefaultSettings::default()
     };
-    let mut solver = DefaultSolver::new(&metric, &vec![0.0; unknowns], &matrix, &sides, &cones, settings).ok()?;
+    let mut solver = DefaultSolver::new(&metric, &vec![0.0; unknowns], &matrix, offsets, cones, settings).ok()?;
     solver.solve();
-    let infeasible = matches!(solver.solution.status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible);
+    let status = solver.solution.status;
+    let infeasible = matches!(status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible);
+    let solved = matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved);
     Some(GeneralAnswer {
-        multipliers: solver.solution.z.split_off(equations.len()),
-        slacks: solver.solution.s.split_off(equations.len()),
+        multipliers: solver.solution.z,
+        slacks: solver.solution.s,
         iterations: solver.solution.iterations as usize,
         infeasible,
+        solved,
     })
 }

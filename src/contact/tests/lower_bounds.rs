@@ -9,7 +9,7 @@ use crate::contact::{Contact, ContactForce, Partner};
 fn pulled(count: usize, velocity: impl Fn(usize) -> f64, floor: impl Fn(usize) -> f64) -> Projection<2> {
     let scene = row(count, |body| Vector2::new(velocity(body), 0.0));
     let contact = |body: usize| Contact::again(&scene.domain, &scene.balls, (body, Partner::Body(body + 1), [0; 2]));
-    let lower_bounds: Vec<_> = (0..count - 1).map(|body| ContactForce { contact: contact(body), force: floor(body) }).collect();
+    let lower_bounds: Vec<_> = (0..count - 1).map(|body| ContactForce::normal(contact(body), floor(body))).collect();
     let problem = Problem { lower_bounds: &lower_bounds, ..scene.problem() };
     alone(&problem, &Memory::default(), &|problem, contacts, guess| solve_island(problem, contacts, guess)).unwrap()
 }

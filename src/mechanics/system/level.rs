@@ -19,6 +19,7 @@ use crate::{
     body::Twist,
     error::Result,
     grid::Grid,
+    interaction::Wrench,
     linalg::dot,
     petsc::{Scatter, Vector},
 };
@@ -51,8 +52,8 @@ pub struct Level<const D: usize> {
     pub twists: Vec<Twist<D>>,
     /// Their spin-ups, density of the fluid over viscosity times rate of change of the spin.
     pub spin_ups: Vec<Vec<f64>>,
-    /// The impulse that contacts gave each of them in the step that led here.
-    pub impulses: Vec<SVector<f64, D>>,
+    /// The impulse that contacts gave each of them in the step that led here, and its moment.
+    pub impulses: Vec<Wrench<D>>,
     /// The part of their jumps that convection sees, a mean over some time; until the level is past that of the one before.
     pub resolved: Vec<f64>,
 }

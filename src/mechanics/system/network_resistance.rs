@@ -40,7 +40,7 @@ pub fn network_resistance<const D: usize>(
     let numbers: Vec<f64> = own.flat_map(|(bodies, blocks)| pack_pair::<D>(fixed, bodies, &blocks, viscosity)).collect();
     let count = 2 + (2 * rigid_count::<D>()).pow(2);
     let pair = |numbers: &[f64]| NearResistance { bodies: [numbers[0] as usize, numbers[1] as usize], matrix: numbers[2..].to_vec() };
-    NetworkResistance { bodies, films, pairs: world.gather(&numbers).chunks(count).map(pair).collect() }
+    NetworkResistance { bodies, films, bonds: Vec::new(), pairs: world.gather(&numbers).chunks(count).map(pair).collect() }
 }
 
 const fn rigid_count<const D: usize>() -> usize {

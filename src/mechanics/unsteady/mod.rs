@@ -254,7 +254,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             centers: configuration.centers.to_vec(),
             twists,
             spin_ups,
-            impulses: vec![SVector::zeros(); bodies.len()],
+            impulses: vec![Wrench::zero(); bodies.len()],
             resolved: vec![0.0; bodies.len()],
         });
         Ok(Solution {
@@ -432,10 +432,11 @@ impl<const D: usize> UnsteadySuspension<D> {
         let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
         let slow = slowed(&last.slow, (before, &multipliers), lag);
         let resolved = last.resolved.clone();
-        let mut impulses = vec![SVector::zeros(); centers.len()];
+        let mut impulses = vec![Wrench::zero(); centers.len()];
         let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
         for (body, push) in contacts.flat_map(|(row, force)| row.wrenches(force * weights.step)) {
-            impulses[body] += push.direction;
+            impulses[body].force += push.direction;
+            impulses[body].torque += push.turn;
         }
         let fluid = solution.fluid.copied()?;
         self.current = Some(Level { time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved });

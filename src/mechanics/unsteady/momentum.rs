@@ -8,7 +8,7 @@
 //! step before. A force `p / dt` instead would bring two thirds of an impulse in the step and the rest later: bodies that have met would part at
 //! half their speed.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 use super::scheme::StepWeights;
 use crate::{
@@ -25,8 +25,8 @@ pub struct Momentum<'a, const D: usize> {
     inertia: &'a Inertia<D>,
     rate: f64,
     history: Vec<Twist<D>>,
-    /// Forces that impulses of the step before leave in this one.
-    impulsive: Vec<SVector<f64, D>>,
+    /// Forces and torques that impulses of the step before leave in this one.
+    impulsive: Vec<Wrench<D>>,
 }
 
 impl<'a, const D: usize> Momentum<'a, D> {
@@ -34,7 +34,8 @@ impl<'a, const D: usize> Momentum<'a, D> {
     pub fn new<'b>(setup: &'a Setup<D>, weights: &StepWeights, levels: impl Iterator<Item = &'b Level<D>>) -> Momentum<'a, D> {
         let mut history = vec![Twist::zero(); setup.bodies.len()];
         let mut levels = levels.peekable();
-        let impulsive = levels.peek().map_or(Vec::new(), |last| last.impulses.iter().map(|impulse| impulse * -weights.rate[2]).collect());
+        let left = |impulse: &Wrench<D>| Wrench { force: impulse.force * -weights.rate[2], torque: impulse.torque * -weights.rate[2] };
+        let impulsive = levels.peek().map_or(Vec::new(), |last| last.impulses.iter().map(left).collect());
         for (level, weight) in levels.zip(&weights.rate[1..]) {
             for (sum, twist) in history.iter_mut().zip(&level.twists) {
                 sum.velocity += twist.velocity * *weight;
@@ -51,8 +52,8 @@ impl<'a, const D: usize> Momentum<'a, D> {
             let push = given.get(body).copied().unwrap_or_else(Wrench::zero);
             let Twist { velocity, spin } = self.history[body];
             Wrench {
-                force: push.force + self.impulsive[body] - velocity * ((density - self.inertia.fluid) * ball.volume()),
-                torque: push.torque - spin * (density * ball.moment_of_inertia()),
+                force: push.force + self.impulsive[body].force - velocity * ((density - self.inertia.fluid) * ball.volume()),
+                torque: push.torque + self.impulsive[body].torque - spin * (density * ball.moment_of_inertia()),
             }
         };
         (0..self.history.len()).map(of_body).collect()

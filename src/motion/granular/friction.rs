@@ -30,7 +30,7 @@ impl<const D: usize> Granular<D> {
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
         let (twists, stuck, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, tangential: kept.tangential, kkt_report, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })
     }
 
     /// Velocities and spins that keep contacts with friction, next to those wanted. Collective.
@@ -52,7 +52,8 @@ impl<const D: usize> Granular<D> {
             cluster_of: &[],
         };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
-        let friction = FrictionShare { coefficient, spins: &spins, inertias: &inertias, last: &state.tangential };
+        let last = state.held.iter().map(|held| (held.identity(), held.tangential)).collect();
+        let friction = FrictionShare { coefficient, spins: &spins, inertias: &inertias, last: &last };
         project_with_friction(peers, &share, &friction, &state.memory())
     }
 }

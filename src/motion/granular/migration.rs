@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use super::setup::{GranularBody, GranularSetup};
 use crate::{
     body::{Regions, components, skew},
-    contact::{AdhesiveContact, ContactForce, Identity, ProjectionShare, TangentialForce, bodies_of, pack, packed_length, renamed, unpack},
+    contact::{AdhesiveContact, ContactForce, Identity, ProjectionShare, bodies_of, pack, packed_length, renamed, unpack},
     geometry::Domain,
     mechanics::{ContactHistory, Moving, Share, State},
     parallel::Peers,
@@ -72,7 +72,6 @@ pub fn own_part<const D: usize>(share: &Share, whole: State<D>) -> State<D> {
         bodies: numbers.iter().map(|&number| whole.bodies[number]).collect(),
         held: whole.held.into_iter().filter(|held| own(held.identity())).collect(),
         stuck: whole.stuck.into_iter().filter(|stuck| own(stuck.identity())).collect(),
-        tangential: whole.tangential.into_iter().filter(|force| own(force.identity())).collect(),
         share: share.clone(),
         ..whole
     }
@@ -96,18 +95,10 @@ pub fn migrate<const D: usize>(
     let now: Vec<usize> = bodies.iter().map(|&(number, ..)| number).collect();
     let owner_of = |number: usize| numbers.binary_search(&number).ok().map(|place| owners[place]);
     let moved = Migrated { peers, now: &now, owner_of: &owner_of };
-    let held = moved.numbers(state.held.iter().map(|held| (held.identity(), held.force)).collect());
+    let (held, length) = (std::mem::take(&mut state.held), ContactHistory::<D>::LENGTH);
+    state.held = moved.contacts(held, length, ContactHistory::identity, ContactHistory::pack, ContactHistory::unpack);
     let stuck = moved.numbers(state.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma)).collect());
-    let length = TangentialForce::<D>::LENGTH;
-    state.tangential = moved.contacts(
-        std::mem::take(&mut state.tangential),
-        length,
-        TangentialForce::identity,
-        TangentialForce::pack,
-        TangentialForce::unpack,
-    );
-    (state.held, state.stuck) =
-        (held.into_iter().map(ContactHistory::from).collect(), stuck.into_iter().map(AdhesiveContact::from).collect());
+    state.stuck = stuck.into_iter().map(AdhesiveContact::from).collect();
     state.share = Share::Own { numbers: now, count: *count };
     (state.bodies, *constants) = bodies.into_iter().map(|(_, body, constants)| (body, constants)).unzip();
 }

@@ -1,6 +1,9 @@
 //! What all frames together know of one.
 
-use super::frame::{Frame, FrameFields, FrameRows};
+use super::{
+    contact::Present,
+    frame::{Frame, FrameFields, FrameRows},
+};
 
 /// The folder of the frames in the run's folder.
 pub(in crate::output) const FOLDER: &str = "frames";
@@ -18,8 +21,8 @@ pub(super) struct Mesh {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Network {
     pub count: usize,
-    /// Whether they have a memory.
-    pub gluey: bool,
+    /// What they have besides their columns.
+    pub present: Present,
 }
 
 /// The membranes of a frame.
@@ -55,7 +58,7 @@ impl Entry {
             vorticity: fields.vorticity.is_some(),
         };
         let mesh = frame.fields.as_ref().map(mesh);
-        let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| Network { count: contacts.total(), gluey: *gluey });
+        let contacts = rows.contacts.as_ref().map(|(contacts, present)| Network { count: contacts.total(), present: *present });
         let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() / 2);
         let membranes = rows.membranes.as_ref().map(|rows| Membranes {
             corners: rows.corners.total(),

@@ -66,9 +66,8 @@ impl<const D: usize> Frame<'_, D> {
         world.sum(&mut counts);
         let [count, faces] = counts.map(|count| count as usize);
         let bodies = Rows::in_order(world, count, body::WIDTH, bodies);
-        let gluey = self.contacts.is_some_and(|contacts| contacts.iter().any(|contact| contact.gamma.is_some()));
-        let gluey = world.max(f64::from(gluey)) > 0.0;
-        let contacts = self.contacts.map(|_| (Rows::in_order(world, count, contact::WIDTH, contacts), gluey));
+        let present = self.present(world);
+        let contacts = self.contacts.map(|_| (Rows::in_order(world, count, contact::WIDTH, contacts), present));
         let bonds = self.bonds.map(|_| Rows::in_order(world, count, bond::WIDTH, bonds));
         let membranes = self.membranes.zip(corners).map(|(membranes, corners)| MembraneRows {
             corners: Rows::in_order(world, count, membrane::WIDTH, corners),
@@ -97,6 +96,13 @@ impl<const D: usize> Frame<'_, D> {
         rows
     }
 
+    /// What contacts have besides their columns, on any rank. Collective.
+    fn present(&self, world: &World) -> contact::Present {
+        let own = self.contacts.unwrap_or_default().iter().map(FrameContact::present);
+        let own = own.fold(contact::Present::default(), |[gamma, friction], [also, too]| [gamma || also, friction || too]);
+        own.map(|own| world.max(f64::from(own)) > 0.0)
+    }
+
     fn bond_rows(&self) -> Vec<f64> {
         let bonds = self.bonds.unwrap_or_default();
         let mut rows = Vec::with_capacity(2 * bond::WIDTH * bonds.len());
@@ -107,7 +113,7 @@ impl<const D: usize> Frame<'_, D> {
     fn check(&self, bodies: &[f64], contacts: &[f64]) -> Result<()> {
         check_rows(bodies, body::WIDTH, 1, &body::COLUMNS)?;
         let counts = contact::COUNTS.iter().map(|(_, width)| width).sum();
-        check_rows(contacts, contact::WIDTH, counts, &contact::COLUMNS)?;
+        check_rows(contacts, contact::WIDTH, counts, &[&contact::COLUMNS[..], &contact::OPTIONAL].concat())?;
         let Some(fields) = &self.fields else { return Ok(()) };
         check_all("velocity", fields.velocity.iter().flat_map(|velocity| velocity.iter().copied()))?;
         check_all("pressure", fields.pressure.iter().copied())?;
@@ -125,8 +131,8 @@ impl<const D: usize> Frame<'_, D> {
 /// The rows of a frame that this rank writes.
 pub(super) struct FrameRows {
     pub bodies: Rows,
-    /// Contacts, and whether they have a memory.
-    pub contacts: Option<(Rows, bool)>,
+    /// Contacts, and what they have besides their columns.
+    pub contacts: Option<(Rows, contact::Present)>,
     /// Ends of bonds.
     pub bonds: Option<Rows>,
     pub membranes: Option<MembraneRows>,
@@ -146,7 +152,7 @@ fn check_rows(rows: &[f64], width: usize, start: usize, columns: &[(&str, usize)
     let broken = |row: &[f64]| row.iter().position(|number| !number.is_finite()).map(|place| (place, row[place]));
     let Some((place, number)) = rows.chunks_exact(width).find_map(broken) else { return Ok(()) };
     let mut names = columns.iter().flat_map(|&(name, width)| std::iter::repeat_n(name, width));
-    Err(not_finite("a frame", names.nth(place.saturating_sub(start)).unwrap_or("gamma"), number))
+    Err(not_finite("a frame", names.nth(place.saturating_sub(start)).unwrap_or("counts"), number))
 }
 
 fn check_all(name: &str, numbers: impl IntoIterator<Item = f64>) -> Result<()> {

@@ -171,7 +171,7 @@ mod tests {
             time: number as f64 / 8.0,
             step: 2 * number,
             bodies: 4,
-            contacts: Some(Network { count: number % 3, gluey: false }),
+            contacts: Some(Network { count: number % 3, present: [false, true] }),
             bonds: number,
             membranes: Some(Membranes { corners: 4, faces: 1, topology: 6 }),
             mesh: Some(mesh.clone()),

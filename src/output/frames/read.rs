@@ -102,8 +102,9 @@ pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, St
         let bodies = slab::get::<u64>(file, "body_count")? as usize;
         let with_fields = file.link_exists("fields");
         let network = |file: &File| {
-            let gluey = file.group("contacts")?.link_exists(contact::GAMMA);
-            Ok::<_, hdf5::Error>(Network { count: slab::get::<u64>(file, "contact_count")? as usize, gluey })
+            let group = file.group("contacts")?;
+            let present = contact::OPTIONAL.map(|(name, _)| group.link_exists(name));
+            Ok::<_, hdf5::Error>(Network { count: slab::get::<u64>(file, "contact_count")? as usize, present })
         };
         let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
         let cells = || Ok::<_, hdf5::Error>(list::<u64>(file, "cells")?.into_iter().map(|cells| cells as usize).collect());
@@ -179,11 +180,15 @@ fn cut<const D: usize>(dataset: &Dataset, plane: Plane) -> hdf5::Result<FlowCut>
 fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
     let group = Columns { file, group: "contacts", count: slab::get::<u64>(file, "contact_count")? as usize };
     let (columns, counts) = (group.all::<f64, _>(&contact::COLUMNS)?, group.all::<i32, _>(&contact::COUNTS)?);
-    let gluey = file.group("contacts")?.link_exists(contact::GAMMA);
-    let gamma = gluey.then(|| group.all::<f64, 1>(&[(contact::GAMMA, 1)])).transpose()?;
+    let stored = file.group("contacts")?;
+    let optional = |column: (&'static str, usize)| {
+        stored.link_exists(column.0).then(|| Ok::<_, hdf5::Error>((group.all::<f64, 1>(&[column])?, column.1))).transpose()
+    };
+    let [gamma, friction] = contact::OPTIONAL.map(optional);
+    let optional = [gamma?, friction?];
     let contact = |place: usize| {
-        let gamma = gamma.as_ref().map(|[gamma]| gamma[place]);
-        FrameContact::from_columns(entry_of(&columns, &contact::COLUMNS, place), entry_of(&counts, &contact::COUNTS, place), gamma)
+        let optional = optional.each_ref().map(|column| column.as_ref().map(|([numbers], width)| &numbers[place * width..][..*width]));
+        FrameContact::from_columns(entry_of(&columns, &contact::COLUMNS, place), entry_of(&counts, &contact::COUNTS, place), optional)
     };
     Ok((0..group.count).map(contact).collect())
 }

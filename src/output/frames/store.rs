@@ -45,8 +45,8 @@ pub(super) fn store<const D: usize>(file: &mut ParallelFile, frame: &Frame<D>, r
     make_room(file, frame, rows)?;
     file.step(|root| describe(root, frame, rows))?;
     store_group(file, "bodies", &rows.bodies, &body_columns())?;
-    if let Some((contacts, gluey)) = &rows.contacts {
-        store_group(file, "contacts", contacts, &contact_columns(*gluey && contacts.total() > 0))?;
+    if let Some((contacts, present)) = &rows.contacts {
+        store_group(file, "contacts", contacts, &contact_columns(*present))?;
     }
     if let Some(ends) = &rows.bonds {
         store_group(file, "bonds", ends, &bond_columns())?;
@@ -128,11 +128,13 @@ fn body_columns() -> Vec<Column> {
     columns(&body::COLUMNS, 1, false).into_iter().chain(counts).collect()
 }
 
-fn contact_columns(gluey: bool) -> Vec<Column> {
+fn contact_columns(present: contact::Present) -> Vec<Column> {
     let counts = columns(&contact::COUNTS, 0, true);
     let start = counts.last().map_or(0, |count| count.place.end);
-    let memory = gluey.then(|| column(contact::GAMMA, contact::WIDTH - 1, 1, false));
-    columns(&contact::COLUMNS, start, false).into_iter().chain(memory).chain(counts).collect()
+    let always = columns(&contact::COLUMNS, start, false);
+    let start = always.last().map_or(0, |column| column.place.end);
+    let optional = columns(&contact::OPTIONAL, start, false).into_iter().zip(present).filter(|(_, present)| *present);
+    always.into_iter().chain(optional.map(|(column, _)| column)).chain(counts).collect()
 }
 
 fn bond_columns() -> Vec<Column> {

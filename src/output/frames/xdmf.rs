@@ -80,8 +80,9 @@ fn cloud(entry: &Entry) -> String {
 }
 
 fn network(entry: &Entry) -> String {
-    let (count, gluey) = entry.contacts.map_or((0, false), |network| (network.count, network.gluey));
-    let columns = contact::COLUMNS.iter().filter(|(name, _)| *name != "point").copied().chain(gluey.then_some((contact::GAMMA, 1)));
+    let (count, present) = entry.contacts.map_or((0, [false; 2]), |network| (network.count, network.present));
+    let optional = contact::OPTIONAL.into_iter().zip(present).filter(|(_, present)| *present).map(|(column, _)| column);
+    let columns = contact::COLUMNS.into_iter().filter(|(name, _)| *name != "point").chain(optional);
     let counts = contact::COUNTS.iter().filter(|(_, width)| *width == 1).map(|&(name, width)| (name, width, false));
     points(entry, "contacts", count, "point", columns.map(|(name, width)| (name, width, true)).chain(counts))
 }

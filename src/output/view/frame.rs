@@ -89,7 +89,13 @@ fn add_contacts<const D: usize>(chunk: &mut Chunk, contacts: &[FrameContact<D>])
         chunk.reals(&format!("contact_{name}"), &column(&|contact| contact.normal[axis]), ANY)?;
     }
     chunk.reals("contact_gap", &column(&|contact| contact.gap), ANY)?;
-    chunk.reals("contact_force", &column(&|contact| contact.force), ANY)
+    chunk.reals("contact_force", &column(&|contact| contact.force), ANY)?;
+    let friction = |contact: &FrameContact<D>| contact.friction.map_or(0.0, |friction| friction.norm());
+    if contacts.iter().any(|contact| contact.friction.is_some()) {
+        chunk.reals("contact_friction", &column(&friction), ANY)
+    } else {
+        Ok(())
+    }
 }
 
 fn add_flow(chunk: &mut Chunk, flow: &FlowLayer) -> Result<(), String> {

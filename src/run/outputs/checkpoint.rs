@@ -2,6 +2,7 @@
 //! what the run would have done to the last digit on the same ranks.
 
 use std::{
+    collections::HashMap,
     path::{Path, PathBuf},
     time::Instant,
 };
@@ -11,9 +12,10 @@ use nalgebra::{SVector, Vector2};
 use crate::{
     body::{Twist, components, planes, skew},
     constraint::fitted::Rigid,
-    contact::{AdhesiveContact, Identity, TangentialForce, pack, packed_length, unpack},
+    contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
     grid::Grid,
+    interaction::Wrench,
     mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot, State},
     motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
@@ -141,7 +143,9 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
     writer.shared(&format!("{name}_twists"), &twists)?;
     writer.shared(&format!("{name}_spin_ups"), &level.spin_ups.concat())?;
-    writer.shared(&format!("{name}_impulses"), &flat(&level.impulses))?;
+    let impulses: Vec<f64> =
+        level.impulses.iter().flat_map(|impulse| [impulse.force.as_slice(), &components(&impulse.torque)].concat()).collect();
+    writer.shared(&format!("{name}_impulses"), &impulses)?;
     writer.shared(&format!("{name}_resolved"), &level.resolved)
 }
 
@@ -166,6 +170,7 @@ fn read_level<const D: usize>(
         own.filter(|_| rest.is_empty()).ok_or_else(|| misfit(what))
     };
     let twist = |numbers: &[f64]| Twist { velocity: SVector::from_column_slice(&numbers[..D]), spin: skew(&numbers[D..]) };
+    let impulse = |numbers: &[f64]| Wrench { force: SVector::from_column_slice(&numbers[..D]), torque: skew(&numbers[D..]) };
     let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
     Ok(Level {
         time,
@@ -175,7 +180,7 @@ fn read_level<const D: usize>(
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
-        impulses: numbers("impulses", D)?.chunks(D).map(SVector::from_column_slice).collect(),
+        impulses: numbers("impulses", D + planes)?.chunks(D + planes).map(impulse).collect(),
         resolved: numbers("resolved", 1)?,
     })
 }
@@ -198,7 +203,8 @@ fn read_fluid<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, name: &st
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
     let state = simulation.state();
-    let (held, stuck, tangential) = (state.written_held(world), state.written_stuck(world), state.written_tangential(world));
+    let (held, stuck) = (state.written_held(world), state.written_stuck(world));
+    let tangential: Vec<_> = held.iter().filter(|held| held.tangential.iter().any(|entry| *entry != 0.0)).collect();
     let mut counts = [stuck.len() as f64, tangential.len() as f64];
     world.sum(&mut counts);
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
@@ -212,12 +218,12 @@ fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, sim
         store_contacts(writer, state.count(), "stuck", stuck)?;
     }
     if counts[1] > 0.0 {
-        store_tangential(writer, state.count(), tangential)?;
+        store_tangential(writer, state.count(), &tangential)?;
     }
     writer.shared("time", &numbers)?;
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
-    store_contacts(writer, state.count(), "contacts", held)
+    store_contacts(writer, state.count(), "contacts", held.iter().map(|held| (held.identity(), held.force)).collect())
 }
 
 /// Stores contacts of so many bodies, each with a number, as rows of their first bodies.
@@ -232,16 +238,29 @@ fn store_contacts<const D: usize>(
 }
 
 /// Stores tangential forces of contacts of so many bodies, as rows of their first bodies.
-fn store_tangential<const D: usize>(writer: &mut CheckpointWriter, bodies: usize, forces: Vec<TangentialForce<D>>) -> Result<()> {
-    let rows = forces.into_iter().flat_map(|force| [&[force.body as f64], &force.pack()[..]].concat());
-    writer.rows("tangential", bodies, TangentialForce::<D>::LENGTH, rows.collect())
+fn store_tangential<const D: usize>(writer: &mut CheckpointWriter, bodies: usize, held: &[&ContactHistory<D>]) -> Result<()> {
+    let row = |held: &&ContactHistory<D>| {
+        [&[held.body as f64], &pack(held.identity(), held.tangential[0])[..], &held.tangential.as_slice()[1..]].concat()
+    };
+    writer.rows("tangential", bodies, tangential_length::<D>(), held.iter().flat_map(row).collect())
 }
 
-/// So many tangential forces.
-fn read_tangential<const D: usize>(checkpoint: &Checkpoint, count: f64) -> Result<Vec<TangentialForce<D>>> {
+const fn tangential_length<const D: usize>() -> usize {
+    packed_length::<D>() + D - 1
+}
+
+/// So many tangential forces, by contact.
+fn read_tangential<const D: usize>(checkpoint: &Checkpoint, count: f64) -> Result<HashMap<Identity<D>, SVector<f64, D>>> {
     let numbers = if count > 0.0 { checkpoint.shared("tangential")? } else { Vec::new() };
-    let whole = numbers.len() as f64 == count * TangentialForce::<D>::LENGTH as f64;
-    if whole { Ok(numbers.chunks(TangentialForce::<D>::LENGTH).map(TangentialForce::unpack).collect()) } else { Err(misfit("tangential")) }
+    if numbers.len() as f64 != count * tangential_length::<D>() as f64 {
+        return Err(misfit("tangential"));
+    }
+    let row = |numbers: &[f64]| {
+        let (identity, first) = unpack(numbers);
+        let rest = &numbers[packed_length::<D>()..];
+        (identity, SVector::from_fn(|axis, _| if axis == 0 { first } else { rest[axis - 1] }))
+    };
+    Ok(numbers.chunks(tangential_length::<D>()).map(row).collect())
 }
 
 /// The contacts of this name, each with a number.
@@ -262,16 +281,20 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         return Err(misfit("stuck"));
     }
     let flat = world.gather(&checkpoint.rows("bodies", bodies, Moving::<D>::LENGTH)?.ok_or_else(|| misfit("bodies"))?);
-    let held = read_contacts(checkpoint, "contacts")?.into_iter();
+    let tangential = read_tangential(checkpoint, sliding)?;
+    let held = |(identity, force): (Identity<D>, f64)| {
+        let (body, partner, image) = identity;
+        let tangential = tangential.get(&identity).copied().unwrap_or_else(SVector::zeros);
+        ContactHistory { body, partner, image, force, tangential }
+    };
     Ok(State {
         time,
         steps: steps as usize,
         last_step,
         share: Share::Whole,
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
-        held: held.map(ContactHistory::from).collect(),
+        held: read_contacts(checkpoint, "contacts")?.into_iter().map(held).collect(),
         stuck: stuck.into_iter().map(AdhesiveContact::from).collect(),
-        tangential: read_tangential(checkpoint, sliding)?,
     })
 }
 

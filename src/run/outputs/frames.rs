@@ -118,12 +118,14 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
 /// Contacts that bear a force or stick, of those that this rank writes of, as frames hold them. Collective.
 fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &Range<usize>) -> Vec<FrameContact<D>> {
     let (state, domain, held) = (motion.state(), motion.domain(), motion.held());
-    let held = held.iter().map(|held| (held.identity(), held.force, 0.0));
-    let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), 0.0, stuck.gamma));
-    let mut all: Vec<(Identity<D>, f64, f64)> = held.chain(stuck).filter(|((body, ..), ..)| writes(motion, written, *body)).collect();
+    let friction = motion.simulation.interactions().friction().is_some();
+    let held = held.iter().map(|held| (held.identity(), held.force, 0.0, held.tangential));
+    let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), 0.0, stuck.gamma, SVector::zeros()));
+    let mut all: Vec<(Identity<D>, f64, f64, SVector<f64, D>)> =
+        held.chain(stuck).filter(|((body, ..), ..)| writes(motion, written, *body)).collect();
     all.sort_by_key(|&(identity, ..)| identity);
     // a contact that bears a force and sticks
-    all.dedup_by(|(again, force, gamma), (identity, of_both, memory)| {
+    all.dedup_by(|(again, force, gamma, _), (identity, of_both, memory, _)| {
         let same = again == identity;
         if same {
             (*of_both, *memory) = (*of_both + *force, *memory + *gamma);
@@ -132,10 +134,16 @@ fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &R
     });
     let (halo, balls) = motion.simulation.seen(all.iter().flat_map(|(identity, ..)| bodies_of(*identity)));
     let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
-    let contact = |(identity, force, gamma): (Identity<D>, f64, f64)| {
+    let contact = |(identity, force, gamma, tangential): (Identity<D>, f64, f64, SVector<f64, D>)| {
         let placed = Contact::again(domain, &balls, renamed(identity, place));
         let (body, partner, _) = identity;
-        FrameContact { body, partner, ..FrameContact::of(&placed, &balls, force, gluey.then_some(gamma)) }
+        FrameContact {
+            body,
+            partner,
+            gamma: gluey.then_some(gamma),
+            friction: friction.then_some(tangential),
+            ..FrameContact::of(&placed, &balls, force)
+        }
     };
     all.into_iter().map(contact).collect()
 }

@@ -143,6 +143,8 @@ pub fn draw(seed: u64, units: Units) -> Drawn {
     }
     end.iter().for_each(|&end| time(draft, end));
     output(draft, end, objects.chains.is_empty() && objects.cells.is_empty());
+    // last, so that nothing else is drawn otherwise
+    friction(draft, &objects);
     let (inertia, sheared) = (draft.model == Model::NavierStokes, draft.drive == Drive::Sheared);
     let cells = if inertia { 1.0 } else { 2.0 };
     let carried = background_rate != 0.0 && (objects.given || sheared && end.is_some());
@@ -280,6 +282,19 @@ fn contact(draft: &mut Draft) {
     draft.line("model", format!("\"{model}\""));
     if model == "repulsion" {
         draft.line("range", "0.2");
+    }
+}
+
+/// Friction at half of the contacts that may have it.
+fn friction(draft: &mut Draft, objects: &Objects) {
+    let tied = !(objects.chains.is_empty() && objects.cells.is_empty() && objects.clusters.is_empty());
+    let place = draft.lines.iter().position(|line| line.contains("model = \"inelastic\""));
+    let possible = draft.model != Model::Dry || !tied;
+    let Some(place) = place.filter(|_| possible && draft.chance(0.5)) else { return };
+    let coefficient = draft.one_of(&[0.1, 0.5, 2.0]);
+    draft.lines.insert(place + 1, format!("friction = {coefficient:?}"));
+    if draft.model != Model::Dry {
+        draft.lines.insert(place + 2, "roughness = 0.02".into());
     }
 }
 

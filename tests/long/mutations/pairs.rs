@@ -81,7 +81,8 @@ fn numbers(drawn: &Drawn, units: Units, out: &Path) -> Numbers {
     let plain = |value: f64, powers: [i32; 3]| value / units.number(1.0, powers);
     let mut numbers = Numbers::new();
     let mut add = |name: String, value: &Value| numbers.extend(value.as_f64().map(|value| (name, value)));
-    let viscosity = ["relative", "hydrodynamic", "lubrication", "contact", "bonds", "first_normal_difference", "particle_pressure"];
+    let viscosity =
+        ["relative", "hydrodynamic", "lubrication", "contact", "friction", "bonds", "first_normal_difference", "particle_pressure"];
     viscosity.iter().for_each(|name| add(format!("viscosity.{name}"), &summary["viscosity"][name]));
     add("lubrication.smallest_gap".to_owned(), &summary["lubrication"]["smallest_gap"]);
     let bodies = summary["bodies"].as_array().cloned().unwrap_or_default();

@@ -86,9 +86,21 @@ function fillBonds(frame) {
 const along3 = (from, way) => [0, 1, 2].map((axis) => from[axis] + (way[axis] ?? 0));
 const contactScale = { force: 1, known: false };
 
-// Contacts from centre to centre, as wide as their force; those that pull are blue.
+// Red where a contact bears no friction, to orange where friction is as large, over the normal force, as at any contact of the frame; blue where it pulls.
+function contactColour(frame, k, most) {
+  if (frame.contact_force[k] < 0) return [0, 114, 178];
+  const part = most > 0 ? frame.contact_friction[k] / frame.contact_force[k] / most : 0;
+  return [140 + 90 * part, 30 + 129 * part, 24 - 24 * part];
+}
+
+// The largest force of friction over the normal force.
+function mostFriction(frame) {
+  return frame.contact_friction ? frame.contact_friction.reduce((most, friction, k) => Math.max(most, frame.contact_force[k] > 0 ? friction / frame.contact_force[k] : 0), 0) : 0;
+}
+
+// Contacts from centre to centre, as wide as their force.
 function fillContacts(frame) {
-  const lines = [];
+  const [lines, most] = [[], mostFriction(frame)];
   for (let k = 0; k < (frame.contact_body?.length ?? 0) && state.contacts; k++) {
     const [body, partner] = [frame.contact_body[k], frame.contact_partner[k]];
     const reach = frame.radius[body] + frame.contact_gap[k] + (partner < 0 ? 0 : frame.radius[partner]);
@@ -96,7 +108,7 @@ function fillContacts(frame) {
     const to = along3(from, axisNames.map((axis) => reach * frame[`contact_${axis}`][k]));
     const part = Math.min(Math.abs(frame.contact_force[k]) / contactScale.force, 1.5);
     const wide = 0.75 * radiusScale.mean * part;
-    lines.push(...line(from, to, [wide, wide], [0.8, 0.8], frame.contact_force[k] < 0 ? [0, 114, 178] : [140, 30, 24], 0.5 + 0.45 * Math.min(part, 1)));
+    lines.push(...line(from, to, [wide, wide], [0.8, 0.8], contactColour(frame, k, most), 0.5 + 0.45 * Math.min(part, 1)));
   }
   lineSets.contacts.fill(new Float32Array(lines));
 }
