@@ -6,7 +6,7 @@ use super::solve::solve;
 use crate::{
     error::{Error, Result},
     petsc::Session,
-    run::{Answer, Calibration, Quantity, RefinementSequence},
+    run::{Answer, Calibration, EstimatedQuantity, RefinementSequence},
     scene::Scene,
 };
 
@@ -31,7 +31,7 @@ pub struct Bar {
 }
 
 /// The quantity of a word.
-pub fn quantity_of(word: &str) -> Option<Quantity> {
+pub fn quantity_of(word: &str) -> Option<EstimatedQuantity> {
     serde_json::from_value(word.into()).ok()
 }
 

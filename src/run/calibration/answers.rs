@@ -13,7 +13,7 @@ use crate::{
 /// Something that a solve answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Quantity {
+pub enum EstimatedQuantity {
     /// Forces, and torques over radius, on bodies whose motion is given.
     Drag,
     /// Velocities, and spins times radius, of free bodies.
@@ -28,19 +28,19 @@ pub enum Quantity {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// What they are.
-    pub quantity: Quantity,
+    pub quantity: EstimatedQuantity,
     /// The numbers, the same on all ranks.
     pub values: Vec<f64>,
 }
 
-impl Quantity {
+impl EstimatedQuantity {
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
-            Quantity::Drag => "drag",
-            Quantity::Velocity => "velocity",
-            Quantity::Viscosity => "viscosity",
-            Quantity::MeanVelocity => "mean velocity",
+            EstimatedQuantity::Drag => "drag",
+            EstimatedQuantity::Velocity => "velocity",
+            EstimatedQuantity::Viscosity => "viscosity",
+            EstimatedQuantity::MeanVelocity => "mean velocity",
         }
     }
 }
@@ -59,10 +59,10 @@ impl Answer {
             _ => &[],
         };
         let all = [
-            (Quantity::Drag, drag),
-            (Quantity::Velocity, velocity),
-            (Quantity::Viscosity, viscosity.iter().map(|viscosity| viscosity.relative()).collect()),
-            (Quantity::MeanVelocity, driven.to_vec()),
+            (EstimatedQuantity::Drag, drag),
+            (EstimatedQuantity::Velocity, velocity),
+            (EstimatedQuantity::Viscosity, viscosity.iter().map(|viscosity| viscosity.relative()).collect()),
+            (EstimatedQuantity::MeanVelocity, driven.to_vec()),
         ];
         Ok(all.into_iter().filter(|(_, values)| !values.is_empty()).map(|(quantity, values)| Answer { quantity, values }).collect())
     }

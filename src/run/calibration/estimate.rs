@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::answers::{Answer, Quantity};
+use super::answers::{Answer, EstimatedQuantity};
 
 /// Estimates are multiplied by this.
 const SAFETY: f64 = 2.0;
@@ -24,7 +24,7 @@ const FLOOR_OF_MORE: f64 = 0.25;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// What is estimated.
-    pub quantity: Quantity,
+    pub quantity: EstimatedQuantity,
     /// The error, a bar that the true one should not exceed.
     pub error: f64,
 }
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     fn grid(cells: f64, drag: f64) -> (f64, Vec<Answer>) {
-        (cells, vec![Answer { quantity: Quantity::Drag, values: vec![drag, 0.0] }])
+        (cells, vec![Answer { quantity: EstimatedQuantity::Drag, values: vec![drag, 0.0] }])
     }
 
     fn error(grids: &[(f64, f64)], accuracy: f64) -> f64 {

@@ -11,7 +11,6 @@ mod frames;
 mod instant;
 mod kept_rows;
 pub mod log;
-mod means;
 mod pairs;
 mod picture;
 mod probe;
