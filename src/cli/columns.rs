@@ -5,7 +5,7 @@ use clap::Args;
 use crate::{
     error::Result,
     output::say,
-    run::{Column, columns},
+    run::{SeriesColumn, columns},
 };
 
 /// The words after `turbid columns`.
@@ -25,7 +25,7 @@ pub fn list(arguments: &ColumnsArguments) -> Result<()> {
 }
 
 fn lines() -> String {
-    let of_column = |column: &Column| {
+    let of_column = |column: &SeriesColumn| {
         let unit = if column.unit.is_empty() { String::new() } else { format!(" [{}]", column.unit) };
         format!("{}{unit}\n    {}\n", column.name, column.meaning)
     };
@@ -34,7 +34,7 @@ fn lines() -> String {
 
 /// A row for each meaning.
 fn table() -> String {
-    let mut rows: Vec<(String, Column)> = Vec::new();
+    let mut rows: Vec<(String, SeriesColumn)> = Vec::new();
     for column in columns() {
         let name = format!("`{}`", column.name);
         match rows.iter_mut().find(|(_, row)| (&row.unit, &row.meaning) == (&column.unit, &column.meaning)) {
@@ -43,7 +43,8 @@ fn table() -> String {
         }
     }
     let cell = |text: &str| if text.is_empty() { " |".to_owned() } else { format!(" {text} |") };
-    let row = |(names, Column { unit, meaning, .. }): &(String, Column)| format!("|{}{}{}\n", cell(names), cell(unit), cell(meaning));
+    let row =
+        |(names, SeriesColumn { unit, meaning, .. }): &(String, SeriesColumn)| format!("|{}{}{}\n", cell(names), cell(unit), cell(meaning));
     format!("| column | unit | meaning |\n|-|-|-|\n{}", rows.iter().map(row).collect::<String>())
 }
 

@@ -46,7 +46,7 @@ pub use near::{Given, PairPreconditioner, PairTables, RigidBlock};
 pub use neighbourhood::{Neighbourhood, PAIR_REACH};
 pub use placed::{Neighbour, Placed, Surrounded, neighbours};
 pub use places::{Entries, EntriesMut, Places};
-pub use pores::{Pores, Share as PoreShare};
+pub use pores::{PoreShare, Pores};
 pub use scalar::{InclusionMethod, ScalarBlocks};
 pub use sharp::{FreshlyCleared, freshly_cleared, jump};
 pub use unknowns::Unknowns;

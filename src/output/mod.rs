@@ -55,7 +55,7 @@ pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};
 pub use quantities::{QuantitySummary, SteadyMean};
 pub use report::{report, sparkline};
-pub use report_page::{Facts, Image, Page, Parts, Standing, Table, bodies_table};
+pub use report_page::{Breakdown, Facts, Image, Page, Standing, Table, bodies_table};
 pub use say::{note, say};
 pub use scalar::{InclusionSummary, ScalarSummary};
 pub use spread::{ParallelSummary, Spread};

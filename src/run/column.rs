@@ -4,7 +4,7 @@ use std::{borrow::Cow, rc::Rc};
 
 /// A column of `series.csv`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+pub struct SeriesColumn {
     /// Its name: small letters, digits and `_`.
     pub name: String,
     /// Its unit in those of the scene; empty for a number without one.
@@ -28,9 +28,9 @@ pub enum Number {
 
 /// A number in its column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct SeriesEntry {
     /// The column.
-    pub column: Rc<Column>,
+    pub column: Rc<SeriesColumn>,
     /// The number.
     pub number: Number,
 }

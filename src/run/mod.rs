@@ -26,8 +26,10 @@ mod trial;
 mod view;
 mod viscosity;
 
-pub use calibration::{Answer, Calibration, Estimate, EstimatedQuantity, RefinementLevel, RefinementSequence, Solved, cached, coarsest};
-pub use column::{Column, Entry, Number};
+pub use calibration::{
+    Calibration, CalibrationAnswer, Estimate, EstimatedQuantity, RefinementLevel, RefinementSequence, Solved, cached, coarsest,
+};
+pub use column::{Number, SeriesColumn, SeriesEntry};
 pub use command::command;
 pub use finished::Finished;
 pub use folder::{NewRun, RunFolder};
@@ -37,7 +39,7 @@ pub use options::Options;
 pub use output::{BeforeStep, Output};
 pub use outputs::outputs;
 pub use quantities::columns;
-pub use quantity::{Finite, Measured, Quantity};
+pub use quantity::{Finite, Quantity, QuantityValue};
 pub use run::{Run, complete};
 pub use statistics::{KeptContacts, RunStatistics};
 pub use trial::Trial;

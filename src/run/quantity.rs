@@ -6,7 +6,7 @@ use std::{borrow::Cow, rc::Rc};
 use nalgebra::SMatrix;
 
 use super::{
-    column::{Column, Entry, Number},
+    column::{Number, SeriesColumn, SeriesEntry},
     view::View,
 };
 use crate::{
@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// What a quantity may be: a number, a vector or a symmetric tensor.
-pub trait Measured<const D: usize> {
+pub trait QuantityValue<const D: usize> {
     /// What follows the name of the quantity in the names of its columns.
     fn endings() -> Vec<String>;
 
@@ -32,14 +32,14 @@ type Measurement<const D: usize> = Box<dyn Fn(&View<D>) -> Result<Option<Vec<Num
 
 /// A quantity that is measured at each instant of a run.
 pub struct Quantity<const D: usize> {
-    columns: Vec<Rc<Column>>,
+    columns: Vec<Rc<SeriesColumn>>,
     of: Measurement<D>,
 }
 
 impl<const D: usize> Quantity<D> {
     /// A quantity of this name, unit and meaning. All ranks measure it together, and all get the same: `of` is collective. It gives nothing where the
     /// quantity does not exist, which is so in all instants of a run or in none.
-    pub fn new<M: Measured<D>>(
+    pub fn new<M: QuantityValue<D>>(
         name: impl AsRef<str>,
         unit: impl Into<Cow<'static, str>>,
         meaning: impl Into<Cow<'static, str>>,
@@ -49,7 +49,7 @@ impl<const D: usize> Quantity<D> {
     }
 
     /// The same of a measurement that can fail.
-    pub fn fallible<M: Measured<D>>(
+    pub fn fallible<M: QuantityValue<D>>(
         name: impl AsRef<str>,
         unit: impl Into<Cow<'static, str>>,
         meaning: impl Into<Cow<'static, str>>,
@@ -58,13 +58,13 @@ impl<const D: usize> Quantity<D> {
         let (unit, meaning) = (unit.into(), meaning.into());
         let column = |ending: String| {
             let name = name.as_ref().to_owned() + &ending;
-            Rc::new(Column { name, unit: unit.clone(), meaning: meaning.clone(), physical: true })
+            Rc::new(SeriesColumn { name, unit: unit.clone(), meaning: meaning.clone(), physical: true })
         };
         Quantity { columns: M::endings().into_iter().map(column).collect(), of: Box::new(move |view| Ok(of(view)?.map(M::numbers))) }
     }
 
     /// The same of a sheared suspension of free bodies, over viscosity and rate.
-    pub fn of_shear<M: Measured<D>>(
+    pub fn of_shear<M: QuantityValue<D>>(
         name: impl AsRef<str>,
         meaning: impl Into<Cow<'static, str>>,
         of: impl Fn(&Viscosity) -> Option<M> + 'static,
@@ -74,12 +74,12 @@ impl<const D: usize> Quantity<D> {
 
     /// The same, about how the run went: it has no entry in the summary.
     pub fn of_run(mut self) -> Quantity<D> {
-        self.columns.iter_mut().for_each(|column| *column = Rc::new(Column { physical: false, ..(**column).clone() }));
+        self.columns.iter_mut().for_each(|column| *column = Rc::new(SeriesColumn { physical: false, ..(**column).clone() }));
         self
     }
 
     /// Its columns.
-    pub fn columns(&self) -> &[Rc<Column>] {
+    pub fn columns(&self) -> &[Rc<SeriesColumn>] {
         &self.columns
     }
 
@@ -87,8 +87,8 @@ impl<const D: usize> Quantity<D> {
     ///
     /// # Errors
     /// It cannot be measured.
-    pub fn measure(&self, view: &View<D>) -> Result<Vec<Entry>> {
-        let entry = |(column, number): (&Rc<Column>, Number)| Entry { column: column.clone(), number };
+    pub fn measure(&self, view: &View<D>) -> Result<Vec<SeriesEntry>> {
+        let entry = |(column, number): (&Rc<SeriesColumn>, Number)| SeriesEntry { column: column.clone(), number };
         Ok((self.of)(view)?.map_or(Vec::new(), |numbers| self.columns.iter().zip(numbers).map(entry).collect()))
     }
 
@@ -97,7 +97,7 @@ impl<const D: usize> Quantity<D> {
     /// # Errors
     /// Which.
     pub fn check(&self, others: &[Quantity<D>]) -> Result<()> {
-        for Column { name, .. } in self.columns.iter().map(AsRef::as_ref) {
+        for SeriesColumn { name, .. } in self.columns.iter().map(AsRef::as_ref) {
             let good = name.starts_with(|sign: char| sign.is_ascii_lowercase())
                 && name.bytes().all(|sign| sign == b'_' || sign.is_ascii_lowercase() || sign.is_ascii_digit());
             if !good {
@@ -117,7 +117,7 @@ fn one_number() -> Vec<String> {
     vec![String::new()]
 }
 
-impl<const D: usize> Measured<D> for f64 {
+impl<const D: usize> QuantityValue<D> for f64 {
     fn endings() -> Vec<String> {
         one_number()
     }
@@ -127,7 +127,7 @@ impl<const D: usize> Measured<D> for f64 {
     }
 }
 
-impl<const D: usize> Measured<D> for Finite {
+impl<const D: usize> QuantityValue<D> for Finite {
     fn endings() -> Vec<String> {
         one_number()
     }
@@ -137,7 +137,7 @@ impl<const D: usize> Measured<D> for Finite {
     }
 }
 
-impl<const D: usize> Measured<D> for usize {
+impl<const D: usize> QuantityValue<D> for usize {
     fn endings() -> Vec<String> {
         one_number()
     }
@@ -148,7 +148,7 @@ impl<const D: usize> Measured<D> for usize {
 }
 
 /// A vector, which has one column, or a tensor, of which the upper triangle is told.
-impl<const D: usize, const C: usize> Measured<D> for SMatrix<f64, D, C> {
+impl<const D: usize, const C: usize> QuantityValue<D> for SMatrix<f64, D, C> {
     fn endings() -> Vec<String> {
         let second = |axis: usize| if C == 1 { "" } else { AXES[axis] };
         components::<D, C>().map(|(row, column)| format!("_{}{}", AXES[row], second(column))).collect()
@@ -174,10 +174,10 @@ mod tests {
         let tensor = Quantity::<2>::new("fabric", "", "a tensor", |_| Some(Matrix2::new(1.0, 2.0, 3.0, 4.0)));
         let names: Vec<&str> = tensor.columns().iter().map(|column| column.name.as_str()).collect();
         assert_eq!(names, ["fabric_xx", "fabric_xy", "fabric_yy"]);
-        assert_eq!(Measured::<2>::numbers(Matrix2::new(1.0, 2.0, 3.0, 4.0)), [1.0, 2.0, 4.0].map(Number::Real));
-        assert_eq!(<Matrix3<f64> as Measured<3>>::endings(), ["_xx", "_xy", "_xz", "_yy", "_yz", "_zz"]);
-        assert_eq!(<Vector3<f64> as Measured<3>>::endings(), ["_x", "_y", "_z"]);
-        assert_eq!(Measured::<2>::numbers(Finite(f64::INFINITY)), [Number::Missing]);
+        assert_eq!(QuantityValue::<2>::numbers(Matrix2::new(1.0, 2.0, 3.0, 4.0)), [1.0, 2.0, 4.0].map(Number::Real));
+        assert_eq!(<Matrix3<f64> as QuantityValue<3>>::endings(), ["_xx", "_xy", "_xz", "_yy", "_yz", "_zz"]);
+        assert_eq!(<Vector3<f64> as QuantityValue<3>>::endings(), ["_x", "_y", "_z"]);
+        assert_eq!(QuantityValue::<2>::numbers(Finite(f64::INFINITY)), [Number::Missing]);
     }
 
     #[test]

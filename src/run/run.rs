@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::{
     calibration::{self, Calibrated, RefinementSequence, Solved},
-    column::Entry,
+    column::SeriesEntry,
     finished::Finished,
     folder::RunFolder,
     motion_view::MotionView,
@@ -48,7 +48,7 @@ pub struct Run<'a, const D: usize> {
     history: ViscosityHistory,
     viscosity: Option<Viscosity>,
     quantities: Vec<Quantity<D>>,
-    row: Vec<Entry>,
+    row: Vec<SeriesEntry>,
     signals: Option<Signals>,
     /// Whether what there is to see of the state was evaluated.
     evaluated: bool,
@@ -104,13 +104,7 @@ impl<'a, const D: usize> Run<'a, D> {
         options: Options,
     ) -> Result<Run<'a, D>> {
         let world = session.world();
-        if scene.dimension() != D || scene.scalar() {
-            return Err(scene.refuse(
-                "domain.size",
-                format!("{:?}", scene.domain.size),
-                &format!("is not that of a flow or of bodies in {D}D"),
-            ));
-        }
+        refuse_dimension::<D>(scene)?;
         let (calibrated, solved) = match scene.accuracy {
             Some(_) => calibrate(session, scene, &mut folder, checkpoint.is_none())?,
             None => (None, None),
@@ -227,7 +221,7 @@ impl<'a, const D: usize> Run<'a, D> {
     }
 
     /// What was measured of what was evaluated last, a number for each column.
-    pub fn row(&self) -> &[Entry] {
+    pub fn row(&self) -> &[SeriesEntry] {
         &self.row
     }
 
@@ -329,7 +323,7 @@ impl<'a, const D: usize> Run<'a, D> {
     }
 
     /// All quantities of what was evaluated.
-    fn measured(&self) -> Result<Vec<Entry>> {
+    fn measured(&self) -> Result<Vec<SeriesEntry>> {
         let view = self.view();
         let measured = self.quantities.iter().map(|quantity| quantity.measure(&view)).collect::<Result<Vec<_>>>()?;
         Ok(measured.into_iter().flatten().collect())
@@ -455,6 +449,13 @@ impl<const D: usize> Machinery<D> {
         };
         observe::viscosity(flow.solver.setup(), flow.solver.grid(), flow.solution, contacts)
     }
+}
+
+fn refuse_dimension<const D: usize>(scene: &Scene) -> Result<()> {
+    if scene.dimension() == D && !scene.scalar() {
+        return Ok(());
+    }
+    Err(scene.refuse("domain.size", format!("{:?}", scene.domain.size), &format!("is not that of a flow or of bodies in {D}D")))
 }
 
 /// The setting that meets a scene's accuracy, and the last solution if it is found now.

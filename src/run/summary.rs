@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{column::Entry, motion_view::MotionView, view::View};
+use super::{column::SeriesEntry, motion_view::MotionView, view::View};
 use crate::{
     contact::FrictionReport,
     error::Result,
@@ -34,7 +34,7 @@ pub fn summary<const D: usize>(view: &View<D>) -> Summary {
 }
 
 /// A quantity as it is now.
-fn quantity(Entry { column, number }: &Entry) -> (String, QuantitySummary) {
+fn quantity(SeriesEntry { column, number }: &SeriesEntry) -> (String, QuantitySummary) {
     (column.name.clone(), QuantitySummary::new(&column.unit, &column.meaning, number.value()))
 }
 

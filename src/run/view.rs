@@ -3,7 +3,7 @@
 use std::{cell::OnceCell, path::Path};
 
 use super::{
-    column::Entry,
+    column::SeriesEntry,
     motion_view::{ContactTotals, MotionView},
     viscosity::ViscosityHistory,
 };
@@ -32,14 +32,14 @@ pub struct View<'a, const D: usize> {
     /// The viscosity over time.
     pub history: &'a ViscosityHistory,
     /// What was measured of this instant, a number for each column.
-    pub row: &'a [Entry],
+    pub row: &'a [SeriesEntry],
     /// What several quantities need, once it was found.
-    found: Found<D>,
+    found: SharedMeasurements<D>,
 }
 
 /// Measurements from which several quantities are read.
 #[derive(Default)]
-struct Found<const D: usize> {
+struct SharedMeasurements<const D: usize> {
     inertia: OnceCell<Option<InertialNumbers>>,
     contacts: OnceCell<Option<ContactTotals>>,
     chains: OnceCell<Option<ChainNumbers<D>>>,
@@ -58,7 +58,7 @@ pub struct FlowView<'a, const D: usize> {
 impl<'a, const D: usize> View<'a, D> {
     /// Of a run of a scene; nothing was measured yet.
     pub(super) fn new(world: &'a World, scene: &'a Scene, history: &'a ViscosityHistory) -> View<'a, D> {
-        View { world, scene, history, flow: None, viscosity: None, motion: None, row: &[], found: Found::default() }
+        View { world, scene, history, flow: None, viscosity: None, motion: None, row: &[], found: SharedMeasurements::default() }
     }
 
     /// The simple shear that box and drive impose on the flow, if it is one.

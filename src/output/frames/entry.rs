@@ -16,7 +16,7 @@ pub(super) struct Mesh {
 
 /// The contacts of a frame under a law of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Network {
+pub(super) struct ContactNetwork {
     pub count: usize,
     /// Whether they have a memory.
     pub gluey: bool,
@@ -38,7 +38,7 @@ pub(super) struct Entry {
     pub time: f64,
     pub step: usize,
     pub bodies: usize,
-    pub contacts: Option<Network>,
+    pub contacts: Option<ContactNetwork>,
     pub bonds: usize,
     pub membranes: Option<Membranes>,
     pub mesh: Option<Mesh>,
@@ -55,7 +55,7 @@ impl Entry {
             vorticity: fields.vorticity.is_some(),
         };
         let mesh = frame.fields.as_ref().map(mesh);
-        let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| Network { count: contacts.total(), gluey: *gluey });
+        let contacts = rows.contacts.as_ref().map(|(contacts, gluey)| ContactNetwork { count: contacts.total(), gluey: *gluey });
         let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() / 2);
         let membranes = rows.membranes.as_ref().map(|rows| Membranes {
             corners: rows.corners.total(),

@@ -9,7 +9,7 @@ mod sections;
 mod table;
 
 pub use bodies::bodies_table;
-pub use page::{Facts, Image, Page, Parts, Standing};
+pub use page::{Breakdown, Facts, Image, Page, Standing};
 pub use table::Table;
 
 const STYLE: &str = include_str!("style.css");
@@ -52,7 +52,7 @@ mod tests {
             tables: vec![table("</script>.csv")],
             mean: None,
             images: vec![Image { name: "picture.png", bytes: vec![1, 2, 3] }],
-            parts: vec![Parts { title: "Viscosity", parts: vec![("flow", 1.0), ("contacts", 0.5)], decimals: 4 }],
+            parts: vec![Breakdown { title: "Viscosity", parts: vec![("flow", 1.0), ("contacts", 0.5)], decimals: 4 }],
             bodies: None,
             facts: vec![Facts { title: "Run", facts: vec![("command", "turbid run a&b".into())] }],
             scene: "title = \"<b>\"".into(),

@@ -1,6 +1,6 @@
 //! The sections of the page, one function each.
 
-use super::{Facts, Image, Page, Parts, Standing};
+use super::{Breakdown, Facts, Image, Page, Standing};
 use crate::output::{escaped, picture::base64};
 
 /// Colours of parts, those of the charts.
@@ -77,7 +77,7 @@ fn charts(page: &Page) -> String {
 }
 
 /// A bar of parts and a table of them, which adds up.
-fn parts(Parts { title, parts, decimals }: &Parts) -> String {
+fn parts(Breakdown { title, parts, decimals }: &Breakdown) -> String {
     let total: f64 = parts.iter().map(|(_, value)| value).sum();
     let size: f64 = parts.iter().map(|(_, value)| value.abs()).sum();
     let coloured = || parts.iter().zip(COLOURS.iter().cycle());

@@ -26,7 +26,7 @@ pub enum EstimatedQuantity {
 
 /// The numbers of a quantity; errors are relative to their root mean square, which for one body or one number is its size.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
+pub struct CalibrationAnswer {
     /// What they are.
     pub quantity: EstimatedQuantity,
     /// The numbers, the same on all ranks.
@@ -45,12 +45,12 @@ impl EstimatedQuantity {
     }
 }
 
-impl Answer {
+impl CalibrationAnswer {
     /// All that a solution answers; collective.
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn all<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Vec<Answer>> {
+    pub fn all<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Vec<CalibrationAnswer>> {
         let setup = suspension.setup();
         let viscosity = observe::viscosity(setup, suspension.grid(), solution, &[])?;
         let (drag, velocity) = of_bodies(setup, solution);
@@ -64,11 +64,15 @@ impl Answer {
             (EstimatedQuantity::Viscosity, viscosity.iter().map(|viscosity| viscosity.relative()).collect()),
             (EstimatedQuantity::MeanVelocity, driven.to_vec()),
         ];
-        Ok(all.into_iter().filter(|(_, values)| !values.is_empty()).map(|(quantity, values)| Answer { quantity, values }).collect())
+        Ok(all
+            .into_iter()
+            .filter(|(_, values)| !values.is_empty())
+            .map(|(quantity, values)| CalibrationAnswer { quantity, values })
+            .collect())
     }
 
     /// How far it is from another answer to the same, relative to itself.
-    pub fn distance(&self, other: &Answer) -> f64 {
+    pub fn distance(&self, other: &CalibrationAnswer) -> f64 {
         let difference = norm(self.values.iter().zip(&other.values).map(|(one, two)| one - two));
         if difference == 0.0 { 0.0 } else { difference / self.norm() }
     }

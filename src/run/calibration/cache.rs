@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    answers::{Answer, EstimatedQuantity},
+    answers::{CalibrationAnswer, EstimatedQuantity},
     setting::Calibration,
 };
 use crate::{
@@ -65,7 +65,7 @@ impl Calibrated {
     /// PETSc fails.
     pub fn attach<const D: usize>(&self, summary: &mut Summary, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<()> {
         let calibration = &self.calibration;
-        let drag = Answer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == EstimatedQuantity::Drag);
+        let drag = CalibrationAnswer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == EstimatedQuantity::Drag);
         let given = suspension.setup().bodies.iter().filter(|suspended| !suspended.body.free()).count();
         let accuracy = AccuracySummary {
             asked: calibration.accuracy,

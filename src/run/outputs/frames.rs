@@ -96,8 +96,8 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let state = motion.state();
         let written = state.written(view.world);
         let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
-        let ties = Ties::of(&motion, &written);
-        let (bonds, membranes) = (ties.as_ref().map(Ties::bonds), ties.as_ref().and_then(Ties::membranes));
+        let ties = WrittenTies::of(&motion, &written);
+        let (bonds, membranes) = (ties.as_ref().map(WrittenTies::bonds), ties.as_ref().and_then(WrittenTies::membranes));
         let bodies = motion.bodies(written.clone());
         let balls = || state.balls(motion.simulation.radii());
         let fields = match (&mut self.fields, view.flow) {
@@ -141,7 +141,7 @@ fn network<const D: usize>(motion: &MotionView<D>, gluey: bool, written: &Range<
 }
 
 /// What ties bodies, with the places of all of them.
-struct Ties<'a, const D: usize> {
+struct WrittenTies<'a, const D: usize> {
     motion: &'a MotionView<'a, D>,
     written: &'a Range<usize>,
     whole: Cow<'a, State<D>>,
@@ -149,12 +149,12 @@ struct Ties<'a, const D: usize> {
     chain_of: Vec<Option<usize>>,
 }
 
-impl<'a, const D: usize> Ties<'a, D> {
+impl<'a, const D: usize> WrittenTies<'a, D> {
     /// Nothing without any. Collective.
-    fn of(motion: &'a MotionView<'a, D>, written: &'a Range<usize>) -> Option<Ties<'a, D>> {
+    fn of(motion: &'a MotionView<'a, D>, written: &'a Range<usize>) -> Option<WrittenTies<'a, D>> {
         let interactions = motion.simulation.interactions();
         let tied = !interactions.bonds().is_empty();
-        tied.then(|| Ties { motion, written, whole: motion.simulation.whole_state(), chain_of: interactions.group_of() })
+        tied.then(|| WrittenTies { motion, written, whole: motion.simulation.whole_state(), chain_of: interactions.group_of() })
     }
 
     fn center(&self, body: usize) -> SVector<f64, D> {

@@ -22,7 +22,7 @@ pub struct PairFiles {
 }
 
 /// The bodies that are looked at.
-struct Bodies<'a, const D: usize> {
+struct PairBodies<'a, const D: usize> {
     domain: &'a Domain<D>,
     radii: Vec<f64>,
     shear: Option<Shear<D>>,
@@ -35,12 +35,12 @@ impl<const D: usize> Output<D> for PairFiles {
         let distribution = match (&view.motion, setup) {
             (Some(motion), _) => {
                 let radii = motion.simulation.whole_balls().iter().map(|ball| ball.radius).collect();
-                let bodies = Bodies { domain: motion.domain(), radii, shear };
+                let bodies = PairBodies { domain: motion.domain(), radii, shear };
                 bodies.over_frames(view.world, &self.folder, motion.state().time, view.history.mean())?
             }
             (None, Some(setup)) => {
                 let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
-                let bodies = Bodies { domain: &setup.domain, radii: balls.iter().map(|ball| ball.radius).collect(), shear };
+                let bodies = PairBodies { domain: &setup.domain, radii: balls.iter().map(|ball| ball.radius).collect(), shear };
                 let mut counts = bodies.counts();
                 counts.add(bodies.domain.slide().map_or(0.0, |slide| slide.time), &balls);
                 counts.distribution().map(|distribution| (distribution, 0.0))
@@ -72,7 +72,7 @@ pub fn steady_from<const D: usize>(world: &World, shear: Option<&Shear<D>>, end:
     world.gather(&[begin - ROUNDING * end])[0]
 }
 
-impl<const D: usize> Bodies<'_, D> {
+impl<const D: usize> PairBodies<'_, D> {
     fn counts(&self) -> PairCounts<'_, D> {
         PairCounts::new(self.domain, &self.radii, self.shear)
     }

@@ -12,7 +12,7 @@ use crate::{
     mechanics::EvolutionOnGrid,
     output::{Columns, CurvePoint, InertiaSummary, SteadyMean, Summary},
     parallel::World,
-    run::{Entry, Output, View, quantities::seconds},
+    run::{Output, SeriesEntry, View, quantities::seconds},
 };
 
 /// The series of a run.
@@ -40,7 +40,7 @@ impl<const D: usize> Output<D> for SeriesFile {
             return Ok(());
         }
         let passed = std::mem::replace(&mut self.last_row, Instant::now()).elapsed().as_secs_f64();
-        let cell = |Entry { column, number }: &Entry| (column.name.clone().into(), number.text());
+        let cell = |SeriesEntry { column, number }: &SeriesEntry| (column.name.clone().into(), number.text());
         let row: Vec<Cell> = view.row.iter().map(cell).chain([real(seconds().name.clone(), passed)]).collect();
         view.world.agree(self.rows.as_mut().map_or(Ok(()), |rows| rows.write(&row)))
     }

@@ -34,7 +34,7 @@ pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new(
             "contact_solver",
             "",
-            "which one: 0 a formula, 1 parts of islands by the sparse interior point and active set, 2 clarabel",
+            "which solver of contacts: 0 a formula, 1 parts of islands by the sparse interior point and active set, 2 clarabel",
             |view| projected(view).map(|kept| kept.map_or(Solver::Formula, |kept| kept.solver) as usize),
         )
         .of_run(),

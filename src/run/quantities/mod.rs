@@ -9,7 +9,8 @@ mod steps;
 
 use std::rc::Rc;
 
-use super::{column::Column, quantity::Quantity};
+use super::{column::SeriesColumn, quantity::Quantity};
+pub use steps::seconds;
 
 /// The quantities of a run in the order of their columns; those that a scene does not call for have none.
 pub fn quantities<const D: usize>() -> Vec<Quantity<D>> {
@@ -32,8 +33,8 @@ pub fn quantities<const D: usize>() -> Vec<Quantity<D>> {
 }
 
 /// All columns of `series.csv`, each once, in space.
-pub fn columns() -> Vec<Rc<Column>> {
-    let mut all: Vec<Rc<Column>> = Vec::new();
+pub fn columns() -> Vec<Rc<SeriesColumn>> {
+    let mut all: Vec<Rc<SeriesColumn>> = Vec::new();
     for column in quantities::<3>().iter().flat_map(Quantity::columns) {
         if all.iter().all(|known| known.name != column.name) {
             all.push(column.clone());
@@ -43,19 +44,14 @@ pub fn columns() -> Vec<Rc<Column>> {
     all
 }
 
-pub use steps::seconds;
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_column_that_two_quantities_share_has_one_meaning() {
-        for column in quantities::<2>()
-            .iter()
-            .flat_map(Quantity::columns)
-            .chain(&quantities::<3>().iter().flat_map(Quantity::columns).cloned().collect::<Vec<_>>())
-        {
+        let (plane, space) = (quantities::<2>(), quantities::<3>());
+        for column in plane.iter().flat_map(Quantity::columns).chain(space.iter().flat_map(Quantity::columns)) {
             let known = columns().into_iter().find(|known| known.name == column.name);
             assert_eq!(known.as_ref(), Some(column), "{}", column.name);
             assert!(!column.meaning.is_empty(), "{} has no meaning", column.name);

@@ -34,7 +34,7 @@ pub fn velocities<const D: usize>() -> Vec<Quantity<D>> {
             Quantity::new(
                 format!("flow_rate_{name}"),
                 "volume/time; 2D: area/time",
-                "that times the cross-section of the box",
+                "along axes without walls: mean velocity times the cross-section of the box",
                 move |view| {
                     let domain = view.motion?.domain();
                     let section = domain.volume() / domain.size[axis];

@@ -19,13 +19,17 @@ pub fn viscosity<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::of_shear("first_normal_difference", FIRST, |found| Some(found.normal.first)),
         Quantity::of_shear("second_normal_difference", SECOND, |found| found.normal.second),
         Quantity::of_shear("particle_pressure", PRESSURE, |found| found.normal.pressure),
-        Quantity::of_shear("viscosity_from_walls", "the same viscosity from the shear force on the walls", |found| found.from_walls),
+        Quantity::of_shear(
+            "viscosity_from_walls",
+            "apparent viscosity over that of the fluid, from the shear force on the walls",
+            |found| found.from_walls,
+        ),
     ];
     [whole].into_iter().chain(Part::ALL.map(part)).chain(normal).collect()
 }
 
 const FIRST: &str = "first normal stress difference (flow less gradient direction) over viscosity and shear rate; tension positive";
-const SECOND: &str = "the second one (gradient less vorticity direction), in 3D";
+const SECOND: &str = "second normal stress difference (gradient less vorticity direction) over viscosity and shear rate, in 3D";
 const PRESSURE: &str =
     "pressure that the bodies bear beyond the mean pressure of the fluid, over viscosity and shear rate; positive: they push outwards";
 
@@ -44,7 +48,9 @@ pub fn stress<const D: usize>() -> Vec<Quantity<D>> {
             Some(normal.first)
         })
     });
-    let second = Part::ALL.map(|part| part_of("second_normal_difference", "parts of the second one, in 3D", part, |normal| normal.second));
+    let second = Part::ALL.map(|part| {
+        part_of("second_normal_difference", "parts of the second normal stress difference, in 3D", part, |normal| normal.second)
+    });
     let pressure =
         Part::ALL.map(|part| part_of("particle_pressure", "parts of the pressure that the bodies bear", part, |normal| normal.pressure));
     whole.into_iter().chain(first).chain(second).chain(pressure).collect()

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::run::{column::Column, quantity::Quantity};
+use crate::run::{column::SeriesColumn, quantity::Quantity};
 
 /// Number, time and length of the step, and the strain.
 pub fn times<const D: usize>() -> Vec<Quantity<D>> {
@@ -18,12 +18,13 @@ pub fn times<const D: usize>() -> Vec<Quantity<D>> {
 pub fn solves<const D: usize>() -> Vec<Quantity<D>> {
     vec![
         Quantity::new("solves", "", "linear solves of the flow in the step", |view| Some(view.motion?.effort()?.solves)).of_run(),
-        Quantity::new("iterations", "", "their iterations", |view| Some(view.motion?.effort()?.iterations)).of_run(),
+        Quantity::new("iterations", "", "iterations of the linear solver in the step", |view| Some(view.motion?.effort()?.iterations))
+            .of_run(),
     ]
 }
 
 /// The column of the wall-clock time of a step.
-pub fn seconds() -> Rc<Column> {
+pub fn seconds() -> Rc<SeriesColumn> {
     let (unit, meaning) = ("seconds".into(), "wall-clock time of the step".into());
-    Rc::new(Column { name: "seconds".into(), unit, meaning, physical: false })
+    Rc::new(SeriesColumn { name: "seconds".into(), unit, meaning, physical: false })
 }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     error::Result,
     petsc::Session,
-    run::{Answer, EstimatedQuantity},
+    run::{CalibrationAnswer, EstimatedQuantity},
     validation::known::KnownScene,
 };
 
@@ -117,7 +117,7 @@ fn draw(seed: u64, solid: bool) -> KnownScene {
         group(radius, large)
     );
     let name = format!("{} {seed}: {count} at {fraction:.2}, gap {gap:.2}{}", kind.name, if films { ", films" } else { "" });
-    KnownScene { name, text, answer: Answer { quantity: kind.quantity, values: Vec::new() } }
+    KnownScene { name, text, answer: CalibrationAnswer { quantity: kind.quantity, values: Vec::new() } }
 }
 
 /// A cubic lattice.
@@ -152,7 +152,7 @@ impl Lattice {
         KnownScene {
             name: format!("{name} array {fraction:.3}"),
             text,
-            answer: Answer { quantity: EstimatedQuantity::Drag, values: Vec::new() },
+            answer: CalibrationAnswer { quantity: EstimatedQuantity::Drag, values: Vec::new() },
         }
     }
 }
