@@ -15,7 +15,6 @@ mod blocks;
 mod body;
 mod conservation;
 mod dense;
-pub mod fitted;
 mod index_box;
 mod interior;
 mod interpolant;

@@ -1,10 +1,10 @@
 //! `profiles.csv` and `profiles.svg`: means over frames of what bodies and fluid do in slices across axes, with their intervals.
 
-use super::{
-    AXES,
-    chart::{Bar, Chart, Notes, Scale, Series},
+use super::AXES;
+use crate::{
+    observe::{SliceSample, statistics::interval},
+    picture::{Bar, Chart, Notes, Scale, Series},
 };
-use crate::observe::{SliceSample, statistics::interval};
 
 /// Height of a chart in pixels.
 const HEIGHT: usize = 450;

@@ -8,6 +8,7 @@ mod page;
 mod sections;
 mod table;
 
+use crate::picture::escaped;
 pub use bodies::bodies_table;
 pub use page::{Breakdown, Facts, Image, Page, Standing};
 pub use table::Table;
@@ -22,7 +23,7 @@ impl Page {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
              <body>\n{body}<script id=\"data\" type=\"application/json\">{data}</script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-            title = super::escaped(&self.title),
+            title = escaped(&self.title),
             body = sections::body(self),
             data = self.data(),
         )

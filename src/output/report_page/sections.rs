@@ -1,7 +1,7 @@
 //! The sections of the page, one function each.
 
 use super::{Breakdown, Facts, Image, Page, Standing};
-use crate::output::{escaped, picture::base64};
+use crate::picture::{base64, escaped};
 
 /// Colours of parts, those of the charts.
 const COLOURS: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00"];

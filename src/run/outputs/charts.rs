@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use crate::{
     error::Result,
     observe::Part,
-    output::{Band, Chart, CurvePoint, MeanViscosity, Notes, Scale, Series, Summary, bar, effort_chart},
+    output::{CurvePoint, MeanViscosity, Summary, bar, effort_chart},
+    picture::{Band, Chart, Notes, Scale, Series},
     run::{Output, View},
 };
 

@@ -10,9 +10,9 @@ use nalgebra::{SVector, Vector2};
 
 use crate::{
     body::{Twist, components, planes, skew},
-    constraint::fitted::Rigid,
     contact::{AdhesiveContact, Identity, TangentialForce, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
+    fitted::Rigid,
     grid::Grid,
     mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot, State},
     motion::Simulation,

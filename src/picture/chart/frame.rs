@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::output::picture::{INK, axis::Axis};
+use crate::picture::{INK, axis::Axis};
 
 /// The page in pixels, and the room at its sides.
 pub const PAGE: [f64; 2] = [800.0, 450.0];

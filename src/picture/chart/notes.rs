@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::frame::{ChartFrame, finite};
-use crate::output::picture::{INK, escaped};
+use crate::picture::{INK, escaped};
 
 /// Radius of a mark, and of the ring around it, in pixels.
 const MARK: f64 = 4.0;
@@ -192,7 +192,7 @@ impl Notes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{Chart, Scale, Series};
+    use crate::picture::{Chart, Scale, Series};
 
     #[test]
     fn marks_and_levels_are_drawn_where_they_can_be() {

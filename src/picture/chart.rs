@@ -13,7 +13,7 @@ pub use self::{
     frame::Scale,
     notes::{Band, Bar, Level, Mark, Notes},
 };
-use super::picture::{INK, colour, escaped};
+use super::{INK, colour, escaped};
 
 /// Least distance of names in pixels.
 const LINE: f64 = 18.0;
@@ -223,7 +223,7 @@ mod tests {
         let mut chart = chart(&[&[(1.0, 20.0), (4096.0, 0.01), (3.0, 0.0), (-1.0, 2.0)]]);
         chart.scale = Scale::Logarithmic;
         assert_sound(&chart);
-        let labels = |axis: crate::output::picture::axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
+        let labels = |axis: crate::picture::axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
         assert_eq!(labels(chart.frame(&Notes::default()).x), ["1", "10", "100", "1000"]);
         chart.series.clear();
         assert_sound(&chart);
