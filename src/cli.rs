@@ -1,6 +1,7 @@
 //! The command line: words become calls.
 
 mod animate;
+mod columns;
 mod examples;
 mod keys;
 mod lists;
@@ -73,6 +74,8 @@ enum Command {
     Lubrication(lubrication::LubricationArguments),
     /// List the keys of a scene file, with type, unit, default, range and example.
     Keys(keys::KeysArguments),
+    /// List the columns of series.csv, with unit and meaning.
+    Columns(columns::ColumnsArguments),
     /// Print a script that completes the words of this command line, for example `turbid completions bash`.
     Completions {
         /// The shell.
@@ -99,6 +102,7 @@ pub fn execute_alone(arguments: &Arguments) -> Option<Result<()>> {
     }
     let answer: Box<dyn Fn() -> Result<()>> = match &arguments.command {
         Command::Keys(arguments) => Box::new(|| keys::keys(arguments)),
+        Command::Columns(arguments) => Box::new(|| columns::list(arguments)),
         Command::Completions { shell } => Box::new(|| shell::completions(Arguments::command(), *shell)),
         Command::Man { command } => Box::new(|| shell::manual(Arguments::command(), command.as_deref())),
         Command::Examples(arguments) => Box::new(|| examples::examples(arguments)),
@@ -136,7 +140,12 @@ pub fn execute(arguments: &Arguments, session: &Session) -> Result<()> {
         }
         Command::Lubrication(arguments) => session.world().agree(lubrication::lubrication(session.world(), arguments)),
         Command::Study(study) => study.run_on_ranks(session),
-        Command::Keys(_) | Command::Completions { .. } | Command::Man { .. } | Command::Examples(_) | Command::New(_) => Ok(()),
+        Command::Columns(_)
+        | Command::Keys(_)
+        | Command::Completions { .. }
+        | Command::Man { .. }
+        | Command::Examples(_)
+        | Command::New(_) => Ok(()),
     }
 }
 

@@ -49,9 +49,10 @@
 //! | 1 | [`geometry`], [`grid`] | boxes, balls and near pairs; the staggered grid |
 //! | 2 | [`body`], [`surface`] | rigid motions and places of bodies; modes on their surfaces |
 //! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
+//! | | [`fitted`] | the direct way to compare with: flows on meshes that fit their disks |
 //! | | [`interaction`] | what bodies do to each other besides the flow: contact laws, lubrication, forces of one's own |
 //! | 4 | [`scene`], [`mechanics`], [`motion`], [`plan`] | what to simulate; how fluid and bodies answer; steps in time; what a scene calls for |
-//! | 5 | [`observe`], [`output`], [`run`] | stress, viscosity, pairs; files; runs from start to end |
+//! | 5 | [`observe`], [`picture`], [`output`], [`run`] | stress, viscosity, pairs; pictures and charts; files; runs from start to end |
 //! | | [`experiment`], [`study`], [`validation`] | many runs and their records; error against cost, sweeps, scaling; known answers |
 //! | 6 | [`cli`] | the command line |
 
@@ -71,6 +72,8 @@ pub mod surface;
 pub mod constraint;
 pub mod contact;
 pub mod flow;
+// flows on meshes that fit their disks
+pub mod fitted;
 // what bodies do to each other besides the flow
 pub mod interaction;
 // floor 4: what to simulate
@@ -81,6 +84,9 @@ pub mod motion;
 pub mod plan;
 // floor 5: look, never touch
 pub mod observe;
+// what is drawn of it
+pub mod picture;
+// what is written of it
 pub mod output;
 // a run from start to end
 pub mod run;

@@ -269,6 +269,15 @@ def test_the_mean_viscosity_is_that_of_the_program(long):
     of_series = turbid.Viscosity.of_series(series)
     assert of_series is not None and of_series.mean_parts == pytest.approx(found.mean_parts)
     assert long.mean("viscosity").value == pytest.approx(ours.value)
+    quantities = long.quantities
+    assert (quantities.loc["viscosity", ["mean", "half_width"]].astype(float) == [found.mean, found.half_width]).all()
+    for name in ["first_normal_difference", "particle_pressure_contact", "body_velocity_x"]:
+        mean = turbid.steady_mean(series["strain"], series[name], 20.0)
+        assert quantities.loc[name, "last"] == series[name].iloc[-1]
+        assert quantities.loc[name, "mean"] == pytest.approx(mean.value if mean else np.nan, rel=1e-9, abs=1e-12, nan_ok=True)
+        assert quantities.loc[name, "half_width"] == pytest.approx(mean.half_width if mean else np.nan, rel=1e-9, nan_ok=True)
+    assert quantities.loc["shear_rate", "unit"] == "1/time"
+    assert quantities.loc["shear_rate", "mean"] == pytest.approx(long.shear.rate, rel=1e-12)
     assert long.pair_distribution().configurations == long.summary["pairs"]["configurations"]
     assert "±" in long._repr_html_()
 

@@ -5,7 +5,7 @@
 
 use nalgebra::SVector;
 
-use super::share::Share;
+use super::share::BodyShare;
 
 /// Longest time step; the stiffest mode is stable up to 1.4.
 const LONGEST_STEP: f64 = 0.9;
@@ -37,7 +37,7 @@ impl<const D: usize> Fire<D> {
     }
 
     /// Moves the centres of this rank's balls by one step; collective.
-    pub fn advance(&mut self, centers: &mut [SVector<f64, D>], masses: &[f64], share: &Share) {
+    pub fn advance(&mut self, centers: &mut [SVector<f64, D>], masses: &[f64], share: &BodyShare) {
         let [power] = share.sum(|ball| [self.forces[ball].dot(&self.velocities[ball])]);
         if power >= 0.0 {
             self.hasten();

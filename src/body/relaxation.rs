@@ -9,7 +9,7 @@ use nalgebra::SVector;
 
 use super::{
     fire::Fire,
-    share::{BLOCK, NeededCenters, Share},
+    share::{BLOCK, BodyShare, NeededCenters},
 };
 use crate::{
     geometry::{Ball, Domain, Pair, near_pairs},
@@ -32,7 +32,7 @@ pub(super) struct Packing<'a, const D: usize> {
     /// The box.
     pub domain: &'a Domain<D>,
     /// Which of the balls this rank moves.
-    pub share: Share<'a>,
+    pub share: BodyShare<'a>,
     /// Centres, not moved into the box.
     pub centers: Vec<SVector<f64, D>>,
     /// Radii with half the gap required between balls.
@@ -242,7 +242,7 @@ impl<const D: usize> Contacts<D> {
     }
 
     /// Fills the forces on this rank's balls; returns the energy and whether all pairs are as far apart as required. Collective.
-    fn repel(&self, centers: &[SVector<f64, D>], forces: &mut [SVector<f64, D>], share: &Share) -> PackingState {
+    fn repel(&self, centers: &[SVector<f64, D>], forces: &mut [SVector<f64, D>], share: &BodyShare) -> PackingState {
         forces.fill(SVector::zeros());
         // energy and overlaps of each block
         let mut sums = vec![[0.0; 2]; share.blocks()];
@@ -274,7 +274,7 @@ impl<const D: usize> Contacts<D> {
     }
 
     /// Whether a ball of any rank has moved too far; collective.
-    fn outdated(&self, centers: &[SVector<f64, D>], share: &Share) -> bool {
+    fn outdated(&self, centers: &[SVector<f64, D>], share: &BodyShare) -> bool {
         let farthest = 0.25 * self.skin * self.skin;
         let mut moves = self.origins.iter().zip(&centers[share.own.clone()]).map(|(origin, center)| center - origin);
         share.count(usize::from(moves.any(|moved| moved.norm_squared() > farthest))) > 0

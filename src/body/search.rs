@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     relaxation::Packing,
-    share::{BLOCK, Share},
+    share::{BLOCK, BodyShare},
 };
 use crate::{
     geometry::{Ball, Domain, Levels},
@@ -77,7 +77,7 @@ impl<'a, const D: usize> Search<'a, D> {
         }
         let packing = Packing {
             domain,
-            share: Share::new(peers, radii.len()),
+            share: BodyShare::new(peers, radii.len()),
             centers: centers.chain(obstacles.iter().map(|ball| ball.center)).collect(),
             radii: swollen,
             wall_radii: radii.iter().map(|radius| radius * (1.0 + gap)).collect(),
@@ -122,7 +122,7 @@ impl<'a, const D: usize> Search<'a, D> {
     fn scatter(&mut self) {
         let mut bodies: Vec<_> = (0..self.packing.movable).map(|number| (self.random_place(), number)).collect();
         if bodies.len() > BLOCK {
-            let rows = Rows::new(self.packing.domain, bodies.len());
+            let rows = CellRows::new(self.packing.domain, bodies.len());
             bodies.sort_by_cached_key(|(place, _)| rows.key(place));
         }
         self.numbers = bodies.iter().map(|&(_, number)| number).collect();
@@ -193,13 +193,13 @@ fn buried<const D: usize>(obstacles: &Levels<D>, radii: &[f64], point: SVector<f
 }
 
 /// Rows of the box along the first axis: bodies in their order lie near those before and after them.
-struct Rows<const D: usize> {
+struct CellRows<const D: usize> {
     size: SVector<f64, D>,
     /// Rows along each axis; many places in a row.
     counts: SVector<f64, D>,
 }
 
-impl<const D: usize> Rows<D> {
+impl<const D: usize> CellRows<D> {
     /// Rows for so many bodies, two or three of them wide.
     fn new(domain: &Domain<D>, bodies: usize) -> Self {
         let width = 2.0 * (domain.volume() / bodies as f64).powf(1.0 / D as f64);

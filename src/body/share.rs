@@ -13,7 +13,7 @@ use crate::parallel::{Peers, Routes, share};
 pub(super) const BLOCK: usize = 1 << 14;
 
 /// The bodies that a rank moves.
-pub(super) struct Share<'a> {
+pub(super) struct BodyShare<'a> {
     /// The ranks that share the bodies.
     pub peers: Peers<'a>,
     /// Where the share of each rank starts, and the number of all bodies.
@@ -22,7 +22,7 @@ pub(super) struct Share<'a> {
     pub own: Range<usize>,
 }
 
-impl<'a> Share<'a> {
+impl<'a> BodyShare<'a> {
     /// The share of this rank in so many bodies: all of them if there is not more than one block.
     pub fn new(peers: Peers<'a>, count: usize) -> Self {
         let blocks = count.div_ceil(BLOCK);
@@ -82,14 +82,14 @@ pub(super) struct NeededCenters {
 
 impl NeededCenters {
     /// For a rank that must know bodies of others, sorted; collective.
-    pub fn new(share: &Share, bodies: Vec<usize>) -> Self {
+    pub fn new(share: &BodyShare, bodies: Vec<usize>) -> Self {
         let place = |start: usize| bodies.partition_point(|&body| body < start);
         let wanted: Vec<Vec<usize>> = share.starts.windows(2).map(|ends| bodies[place(ends[0])..place(ends[1])].to_vec()).collect();
         Self { routes: Routes::asking(share.peers, &wanted), bodies }
     }
 
     /// Makes the centres that this rank must know those that they are; collective.
-    pub fn update<const D: usize>(&self, share: &Share, centers: &mut [SVector<f64, D>]) {
+    pub fn update<const D: usize>(&self, share: &BodyShare, centers: &mut [SVector<f64, D>]) {
         let known = self.routes.copies::<D>(share.peers, |body| centers[body].into());
         self.bodies.iter().zip(known).for_each(|(&body, center)| centers[body] = center.into());
     }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::{
     error::{Error, Result},
     observe::{AnimationFrame, Plane, species_of},
-    output::{AnimationFormat, FrameFile, convert_to_video, ffmpeg_present, say, write_whole_with},
+    output::{FrameFile, convert_to_video, ffmpeg_present, say, write_whole_with},
     petsc::Session,
+    picture::AnimationFormat,
     scene::{Colour, Scene},
 };
 

@@ -14,7 +14,7 @@ pub type StencilWeights = [f64; NODES];
 
 /// Entries that follow each other in a fluid vector and in the box.
 #[derive(Debug, Clone, Copy)]
-pub struct Run {
+pub struct NodeRun {
     /// First of them in the box.
     pub start: u32,
     /// Number of them.
@@ -34,7 +34,7 @@ pub struct NodeBox<const D: usize> {
     /// Distance between neighbours along each axis; 1 along the last.
     pub strides: [usize; D],
     /// What to fetch.
-    pub runs: Vec<Run>,
+    pub runs: Vec<NodeRun>,
     /// For each point, the first of its nodes.
     pub corners: Vec<u32>,
 }
@@ -90,7 +90,7 @@ impl<const D: usize> Interpolant<D> {
         for (component, nodes) in self.boxes.iter().enumerate() {
             scratch.clear();
             scratch.resize(nodes.length, 0.0);
-            for &Run { start, length, place, .. } in &nodes.runs {
+            for &NodeRun { start, length, place, .. } in &nodes.runs {
                 let length = length as usize;
                 scratch[start as usize..][..length].copy_from_slice(&u.from(place)[..length]);
             }

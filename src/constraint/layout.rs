@@ -10,13 +10,13 @@ pub struct MultiplierLayout {
     /// This rank's bodies.
     pub local_bodies: Vec<usize>,
     /// For each of all bodies: the index of its first multiplier in the owner's part and on all ranks, their number, and its own.
-    places: Vec<Place>,
+    places: Vec<BodyPlace>,
     local_unknowns: usize,
     unknowns: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
+struct BodyPlace {
     local: usize,
     global: usize,
     count: usize,
@@ -28,12 +28,12 @@ impl MultiplierLayout {
     /// Shares out bodies with the given centres (in the box) and numbers of multipliers, seen from `rank`.
     pub fn new<const D: usize>(grid: &Grid<D>, centers: &[SVector<f64, D>], counts: &[usize], rank: usize) -> MultiplierLayout {
         let owners: Vec<usize> = centers.iter().map(|center| grid.owner(center)).collect();
-        let mut places = vec![Place { local: 0, global: 0, count: 0, number: 0, owner: 0 }; centers.len()];
+        let mut places = vec![BodyPlace { local: 0, global: 0, count: 0, number: 0, owner: 0 }; centers.len()];
         let (mut unknowns, mut local_unknowns, mut number) = (0, 0, 0);
         for owner in 0..grid.partition().blocks() {
             let start = unknowns;
             for body in (0..centers.len()).filter(|&body| owners[body] == owner) {
-                places[body] = Place { local: unknowns - start, global: unknowns, count: counts[body], number, owner };
+                places[body] = BodyPlace { local: unknowns - start, global: unknowns, count: counts[body], number, owner };
                 (unknowns, number) = (unknowns + counts[body], number + 1);
             }
             if owner == rank {

@@ -39,7 +39,7 @@ const APART: f64 = 0.01;
 const DISPLACEMENT: f64 = 1e-6;
 
 /// The share of a body in a pore.
-pub struct Share {
+pub struct PoreShare {
     /// The pore.
     pub pore: usize,
     /// The body.
@@ -64,7 +64,7 @@ pub struct Pores {
     /// The body that each belongs to.
     pub of_body: Vec<usize>,
     /// Shares of the bodies in pores that have one of this rank's.
-    pub shares: Vec<Share>,
+    pub shares: Vec<PoreShare>,
     /// Throats of all pores.
     pub throats: Vec<Throat>,
     /// What ties the first one to a fixed pressure.
@@ -103,7 +103,7 @@ impl Pores {
                 if here && !foot(one.0) {
                     let to = [next, last].map(|corner| (place(corner) - place(one), balls[corner.0].radius));
                     let multipliers = multipliers(neighbourhood.orders[one.0], balls[one.0].radius, to);
-                    pores.shares.push(Share { pore, body: one.0, multipliers });
+                    pores.shares.push(PoreShare { pore, body: one.0, multipliers });
                 }
             }
         }

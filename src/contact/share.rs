@@ -30,7 +30,7 @@ pub(super) struct Shared {
 }
 
 /// An island as the rank that solves it sees it.
-struct Gathered<const D: usize> {
+struct GatheredContacts<const D: usize> {
     bodies: BTreeMap<usize, Body<D>>,
     /// Contacts with the guess and the least force of each.
     contacts: BTreeMap<Identity<D>, [f64; 2]>,
@@ -201,7 +201,7 @@ impl<'a, const D: usize> Round<'a, D> {
     }
 
     /// The islands that span ranks and changed of which this rank owns the first body, without those that are solved `together`.
-    fn gather_spanning(&self, guess: &[f64], together: &BTreeSet<u64>) -> BTreeMap<u64, Gathered<D>> {
+    fn gather_spanning(&self, guess: &[f64], together: &BTreeSet<u64>) -> BTreeMap<u64, GatheredContacts<D>> {
         let mut letters = vec![Vec::new(); self.peers.count()];
         for (contact, guess) in self.contacts.iter().zip(guess) {
             let home = self.homes[self.free(contact)];
@@ -216,7 +216,7 @@ impl<'a, const D: usize> Round<'a, D> {
                 self.write_body(body, letter);
             }
         }
-        let mut islands: BTreeMap<u64, Gathered<D>> = BTreeMap::new();
+        let mut islands: BTreeMap<u64, GatheredContacts<D>> = BTreeMap::new();
         let (contact, body) = (2 + packed_length::<D>(), Body::<D>::LENGTH);
         for numbers in self.peers.deliver(&letters).chunks(contact + 2 * body) {
             let island = islands.entry(numbers[0] as u64).or_default();
@@ -253,13 +253,13 @@ impl<'a, const D: usize> Round<'a, D> {
     }
 }
 
-impl<const D: usize> Default for Gathered<D> {
+impl<const D: usize> Default for GatheredContacts<D> {
     fn default() -> Self {
-        Gathered { bodies: BTreeMap::new(), contacts: BTreeMap::new() }
+        GatheredContacts { bodies: BTreeMap::new(), contacts: BTreeMap::new() }
     }
 }
 
-impl<const D: usize> Gathered<D> {
+impl<const D: usize> GatheredContacts<D> {
     /// Solves the island; adds to the replies the force of each contact, for the rank that answers for it.
     fn solve(&self, whole: &Problem<D>, solve: Solve<D>, replies: &mut [Vec<f64>]) -> Result<(usize, Solver)> {
         let numbers: Vec<usize> = self.bodies.keys().copied().collect();

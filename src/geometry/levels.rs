@@ -16,11 +16,11 @@ const MOST_CELLS: f64 = 1e15;
 pub struct Levels<'a, const D: usize> {
     domain: &'a Domain<D>,
     /// By the binary logarithm of the radii, rounded up.
-    levels: BTreeMap<i32, Level<D>>,
+    levels: BTreeMap<i32, CellLevel<D>>,
 }
 
 /// Balls of about one size.
-struct Level<const D: usize> {
+struct CellLevel<const D: usize> {
     /// Number of cells along each axis.
     counts: [f64; D],
     /// Cells along each axis within which a ball of this level is touched.
@@ -53,7 +53,7 @@ impl<'a, const D: usize> Levels<'a, D> {
     /// Adds a ball, which is known by a number.
     pub fn insert(&mut self, number: usize, ball: &Ball<D>) {
         let exponent = exponent(ball.radius);
-        let level = self.levels.entry(exponent).or_insert_with(|| Level::new(self.domain, exponent));
+        let level = self.levels.entry(exponent).or_insert_with(|| CellLevel::new(self.domain, exponent));
         level.insert(self.domain, number, self.domain.wrap(ball.center));
     }
 
@@ -86,12 +86,12 @@ impl<'a, const D: usize> Levels<'a, D> {
     }
 }
 
-impl<const D: usize> Level<D> {
+impl<const D: usize> CellLevel<D> {
     fn new(domain: &Domain<D>, exponent: i32) -> Self {
         let edge = 2.0 * largest(exponent);
         let counts: [f64; D] = std::array::from_fn(|axis| (domain.size[axis] / edge).floor().clamp(1.0, MOST_CELLS));
         let reach = std::array::from_fn(|axis| (edge * counts[axis] / domain.size[axis] * (1.0 - 1e-9)).ceil().max(1.0) as i64);
-        Level { counts, reach, last: HashMap::new(), members: Vec::new(), free: Vec::new() }
+        CellLevel { counts, reach, last: HashMap::new(), members: Vec::new(), free: Vec::new() }
     }
 
     fn insert(&mut self, domain: &Domain<D>, number: usize, center: SVector<f64, D>) {

@@ -41,11 +41,11 @@ struct TransferSide {
     extent: usize,
     rank: usize,
     /// With each rank that has a part of it in the other layout, this one included.
-    shares: Vec<Share>,
+    shares: Vec<GridShare>,
 }
 
 /// What is exchanged with one rank.
-struct Share {
+struct GridShare {
     rank: usize,
     /// Its places in the block.
     runs: Vec<Range<usize>>,
@@ -87,7 +87,7 @@ impl TransferSide {
             let runs = block.runs(block.intersection(its));
             let end = start + fields * runs.iter().map(Range::len).sum::<usize>();
             if end > start {
-                shares.push(Share { rank: other, runs, buffer: start..end });
+                shares.push(GridShare { rank: other, runs, buffer: start..end });
             }
             start = end;
         }
@@ -100,7 +100,7 @@ impl TransferSide {
     }
 
     /// The places of a share in this rank's part, field by field.
-    fn places<'a>(&'a self, share: &'a Share) -> impl Iterator<Item = Range<usize>> + 'a {
+    fn places<'a>(&'a self, share: &'a GridShare) -> impl Iterator<Item = Range<usize>> + 'a {
         (0..self.fields)
             .flat_map(move |field| share.runs.iter().map(move |run| field * self.extent + run.start..field * self.extent + run.end))
     }

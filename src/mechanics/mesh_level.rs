@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::constraint::fitted::{Mesh, Rigid, StokesFlow};
+use crate::fitted::{Mesh, Rigid, StokesFlow};
 
 /// A flow on a mesh at one time.
 #[derive(Debug, Clone, PartialEq)]

@@ -33,6 +33,22 @@ impl Part {
         ["hydrodynamic", "lubrication", "interaction", "bonds", "reynolds", "contact", "friction"][self as usize]
     }
 
+    /// What it is of a viscosity, in a sentence.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Part::Hydrodynamic => "1 plus the part of the resolved stresslets",
+            Part::Lubrication => "part of the films that multipliers do not see",
+            Part::Interaction => {
+                "part of forces at a distance: repulsion, forces of one's own, given torques (half the couple per volume) and, between walls, given \
+                 forces along them (less force times height over the middle)"
+            }
+            Part::Bonds => "part of the bonds of chains, cells and clusters",
+            Part::Reynolds => "part of fluctuations of the momentum, with inertia",
+            Part::Contact => "part of contact forces, of normal ones with friction",
+            Part::Friction => "part of tangential contact forces, with friction in a fluid",
+        }
+    }
+
     /// Its name in sentences and charts.
     pub fn words(self) -> &'static str {
         ["flow", "lubrication", "forces at a distance", "bonds", "inertia", "contacts", "friction"][self as usize]
@@ -62,11 +78,6 @@ impl<T: Copy> Parts<T> {
     /// The same parts, measured otherwise.
     pub fn map<U: Copy>(&self, amount: impl Fn(T) -> U) -> Parts<U> {
         Parts::of(|part| self.get(part).map(&amount))
-    }
-
-    /// All parts but one.
-    pub fn without(&self, left_out: Part) -> Parts<T> {
-        Parts::of(|part| self.get(part).filter(|_| part != left_out))
     }
 
     /// The sum of all parts.
@@ -116,7 +127,7 @@ mod tests {
         let text = serde_json::to_string(&parts).unwrap();
         assert!(text.starts_with("{\"hydrodynamic\":1.5,\"lubrication\":null,"), "{text}");
         assert_eq!(serde_json::from_str::<Parts<f64>>(&text).unwrap(), parts);
-        assert_eq!((parts.total(), parts.without(Part::Contact).total()), (1.75, 1.5));
+        assert_eq!(parts.total(), 1.75);
         assert_eq!(parts.in_words(), [("flow", 1.5), ("contacts", 0.25)]);
     }
 }

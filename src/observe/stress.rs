@@ -41,7 +41,7 @@ pub struct Stress<const D: usize> {
     pub with_trace: bool,
 }
 
-/// Differences and mean of the normal stresses, over `mu rate`; tension is positive.
+/// Differences and mean of the normal stresses of all parts or of one, over `mu rate`; tension is positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalStresses {
     /// Along the flow less along the gradient.
@@ -50,8 +50,6 @@ pub struct NormalStresses {
     pub second: Option<f64>,
     /// Pressure that bodies bear beyond that of the fluid, positive where they push apart; nothing where the trace of their stresslets is not known.
     pub pressure: Option<f64>,
-    /// Its contact part.
-    pub contact_pressure: f64,
 }
 
 impl<const D: usize> Stress<D> {
@@ -78,6 +76,7 @@ impl<const D: usize> Stress<D> {
             [solution.pair_stress, load_stress(setup, solution, shear)].into_iter().flatten().reduce(|sum, part| sum + part);
         let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
         let pressure = pressure_on_bodies(setup, grid, solution)?;
+        let touch = setup.interactions.touch().is_some() || !contacts.is_empty();
         // what there is and does nothing yet has no stress, which is a number
         let of_all = |there: bool, stress: Option<SMatrix<f64, D, D>>| stress.or(there.then(SMatrix::zeros)).map(|stress| stress / unit);
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
@@ -88,7 +87,7 @@ impl<const D: usize> Stress<D> {
             Part::Interaction => of_all(setup.interactions.act_at_a_distance(), at_a_distance),
             Part::Bonds => of_all(setup.interactions.tie(), solution.bond_stress),
             Part::Reynolds => carried_along.map(|stress| stress / unit),
-            Part::Contact => Some(-moments / unit),
+            Part::Contact => touch.then(|| -moments / unit),
             Part::Friction => solution.friction_stress.map(|stress| stress / unit),
         });
         Ok(Stress { parts, with_trace: pressure.is_some() })
@@ -99,18 +98,26 @@ impl<const D: usize> Stress<D> {
         self.parts.total()
     }
 
-    /// Its normal stresses in a shear.
+    /// The normal stresses of all parts in a shear.
     pub(super) fn normal(&self, shear: &Shear<D>) -> NormalStresses {
-        let total = self.total();
-        let along = |direction: &SVector<f64, D>| (direction.transpose() * total * direction)[0];
-        let (flow, gradient) = (along(&shear.flow), along(&shear.across()));
-        let mean = |stress: &SMatrix<f64, D, D>| -stress.trace() / D as f64;
-        NormalStresses {
-            first: flow - gradient,
-            second: (D == 3).then(|| gradient - (total.trace() - flow - gradient)),
-            pressure: self.with_trace.then(|| mean(&total)),
-            contact_pressure: self.parts.get(Part::Contact).map_or(0.0, |contact| mean(&contact)),
-        }
+        normal_stresses(&self.total(), shear, self.with_trace)
+    }
+
+    /// Those of each part, of which only that of the flow may have an unknown trace.
+    pub(super) fn normal_parts(&self, shear: &Shear<D>) -> Parts<NormalStresses> {
+        let of = |part: Part, stress| normal_stresses(&stress, shear, self.with_trace || part != Part::Hydrodynamic);
+        Parts::of(|part| self.parts.get(part).map(|stress| of(part, stress)))
+    }
+}
+
+/// The normal stresses of a stress in a shear; without a pressure if its trace is not known.
+fn normal_stresses<const D: usize>(stress: &SMatrix<f64, D, D>, shear: &Shear<D>, with_trace: bool) -> NormalStresses {
+    let along = |direction: &SVector<f64, D>| (direction.transpose() * stress * direction)[0];
+    let (flow, gradient) = (along(&shear.flow), along(&shear.across()));
+    NormalStresses {
+        first: flow - gradient,
+        second: (D == 3).then(|| gradient - (stress.trace() - flow - gradient)),
+        pressure: with_trace.then(|| -stress.trace() / D as f64),
     }
 }
 

@@ -30,12 +30,14 @@ pub struct Viscosity {
     pub rate: f64,
     /// Its parts; that of the flow is `1 + sum_i S_i / (mu rate V)`.
     pub parts: Parts<f64>,
-    /// The mean stress of all parts over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. It
-    /// is not symmetric where torques are given: the first index is that of the force, the second that of the plane on which it acts. Its
-    /// trace is that of contacts alone where the pressure that bodies bear is not known.
-    pub stress: SMatrix<f64, 3, 3>,
-    /// Normal stresses.
+    /// The mean stress of each part over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. It
+    /// is not symmetric where torques are given: the first index is that of the force, the second that of the plane on which it acts. That of the
+    /// flow has no trace where the pressure that bodies bear is not known.
+    pub stress: Parts<SMatrix<f64, 3, 3>>,
+    /// Normal stresses of all parts.
     pub normal: NormalStresses,
+    /// Those of each part.
+    pub normal_parts: Parts<NormalStresses>,
     /// From the shear stress on the walls, mean of both, where there are walls.
     pub from_walls: Option<f64>,
 }
@@ -74,8 +76,9 @@ pub fn viscosity<const D: usize>(
     Ok(Some(Viscosity {
         rate: shear.rate,
         parts: stress.parts.map(|part| shear.of_stress(&part)),
-        stress: in_space(&stress.total()),
+        stress: stress.parts.map(|part| in_space(&part)),
         normal: stress.normal(&shear),
+        normal_parts: stress.normal_parts(&shear),
         from_walls,
     }))
 }

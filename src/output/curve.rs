@@ -50,11 +50,11 @@ pub struct MeanViscosity {
 }
 
 impl CurvePoint {
-    /// Of a viscosity at a time; the part of contacts only if a contact model acts.
-    pub fn of(viscosity: &Viscosity, time: f64, contact: bool) -> CurvePoint {
+    /// Of a viscosity at a time.
+    pub fn of(viscosity: &Viscosity, time: f64) -> CurvePoint {
         CurvePoint {
             strain: viscosity.rate * time,
-            parts: if contact { viscosity.parts } else { viscosity.parts.without(Part::Contact) },
+            parts: viscosity.parts,
             first_normal_difference: viscosity.normal.first,
             second_normal_difference: viscosity.normal.second,
             particle_pressure: viscosity.normal.pressure,
@@ -64,20 +64,6 @@ impl CurvePoint {
     /// The total.
     pub fn relative(&self) -> f64 {
         self.parts.total()
-    }
-
-    /// Names of columns and numbers; what is not there has no column.
-    pub fn columns(&self) -> Vec<(String, f64)> {
-        let parts = self.parts.each().map(|(part, amount)| (column(part), Some(amount)));
-        let normal = [
-            ("first_normal_difference", Some(self.first_normal_difference)),
-            ("second_normal_difference", self.second_normal_difference),
-            ("particle_pressure", self.particle_pressure),
-        ];
-        let whole = [("strain", Some(self.strain)), ("viscosity", Some(self.relative()))];
-        let named = |(name, number): (&str, Option<f64>)| Some((name.to_owned(), number?));
-        let normal = normal.into_iter().filter_map(named);
-        whole.into_iter().filter_map(named).chain(parts.filter_map(|(name, number)| Some((name, number?)))).chain(normal).collect()
     }
 
     /// The points in the rows of a text, if it has them.

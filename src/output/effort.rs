@@ -1,6 +1,7 @@
 //! What the steps of a run cost, as `series.csv` holds it, drawn over time.
 
-use super::{Chart, Columns, Scale, Series};
+use super::Columns;
+use crate::picture::{Chart, Scale, Series};
 
 /// Columns that are drawn, what they are called, and a factor.
 const COLUMNS: [(&str, &str, f64); 3] =

@@ -1,22 +1,19 @@
 //! What a run leaves behind and shows on the way: files are complete or absent.
 
 mod accuracy;
-mod animation;
 mod answer;
 mod body_summary;
-mod chart;
 mod clock;
 mod curve;
 mod effort;
 mod files;
 mod frames;
-mod images;
 mod motions;
 mod pairs;
-mod picture;
 mod probe;
 mod profiles;
 mod progress;
+mod quantities;
 mod report;
 mod report_page;
 mod say;
@@ -30,10 +27,8 @@ mod video;
 mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
-pub use animation::AnimationFormat;
 pub use answer::{Answer, answers, bar, vector};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
-pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use clock::{date, duration};
 pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
 pub use effort::effort_chart;
@@ -49,11 +44,11 @@ pub use frames::{
 };
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
 pub use pairs::{PairSummary, pair_files};
-pub use picture::escaped;
 pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};
+pub use quantities::{QuantitySummary, SteadyMean};
 pub use report::{report, sparkline};
-pub use report_page::{Facts, Image, Page, Parts, Standing, Table, bodies_table};
+pub use report_page::{Breakdown, Facts, Image, Page, Standing, Table, bodies_table};
 pub use say::{note, say};
 pub use scalar::{InclusionSummary, ScalarSummary};
 pub use spread::{ParallelSummary, Spread};

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Chart, Level, Notes, Scale, Series};
 use crate::observe::PairDistribution;
+use crate::picture::{Chart, Level, Notes, Scale, Series};
 
 /// What a summary says of pairs.
 #[derive(Debug, Clone, Copy, Serialize)]

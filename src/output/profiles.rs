@@ -1,10 +1,10 @@
 //! `profiles.csv` and `profiles.svg`: means over frames of what bodies and fluid do in slices across axes, with their intervals.
 
-use super::{
-    AXES,
-    chart::{Bar, Chart, Notes, Scale, Series},
+use super::AXES;
+use crate::{
+    observe::{SliceSample, statistics::interval},
+    picture::{Bar, Chart, Notes, Scale, Series},
 };
-use crate::observe::{SliceSample, statistics::interval};
 
 /// Height of a chart in pixels.
 const HEIGHT: usize = 450;
@@ -28,17 +28,17 @@ struct Mean {
 }
 
 /// A named number of each slice.
-struct Column {
+struct ProfileColumn {
     name: String,
     means: Vec<Mean>,
 }
 
 impl ProfileFrames {
-    fn columns(&self) -> Vec<Column> {
+    fn columns(&self) -> Vec<ProfileColumn> {
         let Some(first) = self.frames.first().and_then(|frame| frame.first()) else { return Vec::new() };
         let dimension = first.particles.len();
         let slices = 0..self.places.len();
-        let column = |name: String, value: &dyn Fn(&SliceSample) -> f64, weight: &dyn Fn(&SliceSample) -> f64| Column {
+        let column = |name: String, value: &dyn Fn(&SliceSample) -> f64, weight: &dyn Fn(&SliceSample) -> f64| ProfileColumn {
             name,
             means: slices
                 .clone()
@@ -109,7 +109,7 @@ impl ProfileFrames {
         groups.map(|(name, columns)| self.chart(&format!("{title}: {name}"), &name, &columns)).collect()
     }
 
-    fn chart(&self, title: &str, name: &str, columns: &[&Column]) -> String {
+    fn chart(&self, title: &str, name: &str, columns: &[&ProfileColumn]) -> String {
         let (mut series, mut notes) = (Vec::new(), Notes::default());
         for (number, column) in columns.iter().enumerate() {
             let points = || self.places.iter().zip(&column.means);
@@ -126,7 +126,7 @@ impl ProfileFrames {
     }
 }
 
-impl Column {
+impl ProfileColumn {
     fn spread(&self) -> f64 {
         let finite = || self.means.iter().map(|mean| mean.value).filter(|value| value.is_finite());
         finite().fold(f64::NEG_INFINITY, f64::max) - finite().fold(f64::INFINITY, f64::min)

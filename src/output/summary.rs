@@ -1,10 +1,12 @@
 //! `summary.json`: the numbers of a run.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::{
-    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, ScalarSummary, Spread, TooShort,
-    VelocitySummary,
+    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, QuantitySummary, ScalarSummary, Spread,
+    TooShort, VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
 };
 use crate::{
@@ -48,6 +50,8 @@ pub struct Summary {
     pub viscosity: Option<ViscositySummary>,
     /// Why such a suspension has none.
     pub no_viscosity: Option<String>,
+    /// All that was measured of the suspension, by the names of columns of `series.csv`.
+    pub quantities: BTreeMap<String, QuantitySummary>,
     /// What inertia amounts to, in a run of a flow that has it.
     pub inertia: Option<InertiaSummary>,
     /// The balance of its energy from start to end, if it is asked for.
@@ -327,6 +331,7 @@ impl Summary {
             scalar: None,
             viscosity: None,
             no_viscosity: None,
+            quantities: BTreeMap::new(),
             inertia: None,
             energy: None,
             accuracy: None,
@@ -443,13 +448,13 @@ impl ViscositySummary {
     fn new(viscosity: Viscosity) -> ViscositySummary {
         ViscositySummary {
             relative: viscosity.relative(),
-            parts: viscosity.parts.without(Part::Contact),
+            parts: viscosity.parts,
             interval: None,
             from_walls: viscosity.from_walls,
             first_normal_difference: viscosity.normal.first,
             second_normal_difference: viscosity.normal.second,
             particle_pressure: viscosity.normal.pressure,
-            particle_pressure_contact: None,
+            particle_pressure_contact: viscosity.normal_parts.get(Part::Contact).and_then(|contact| contact.pressure),
             mean: None,
             too_short: None,
         }

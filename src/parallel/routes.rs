@@ -48,11 +48,11 @@ impl Routes {
 impl Peers<'_> {
     /// Tells each rank how much it will get, and gives how much comes from each.
     fn announce(&self, counts: &[usize]) -> Vec<usize> {
-        let told: Vec<u64> = counts.iter().filter(|&&count| count > 0).map(|&count| count as u64).collect();
+        let announced: Vec<u64> = counts.iter().filter(|&&count| count > 0).map(|&count| count as u64).collect();
         let one_each: Vec<usize> = counts.iter().map(|&count| usize::from(count > 0)).collect();
-        let (told, letters) = self.send(&told, &one_each);
-        let mut told = told.into_iter();
-        letters.into_iter().map(|letter| if letter > 0 { told.next().map_or(0, |count| count as usize) } else { 0 }).collect()
+        let (announced, letters) = self.send(&announced, &one_each);
+        let mut announced = announced.into_iter();
+        letters.into_iter().map(|letter| if letter > 0 { announced.next().map_or(0, |count| count as usize) } else { 0 }).collect()
     }
 
     /// Sends each rank so many of `sent` and gives the values that come, of which so many come from each.

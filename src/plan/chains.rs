@@ -12,7 +12,7 @@ use crate::{
 
 /// What bonds are made of.
 #[derive(Default)]
-struct Parts {
+struct BondedParts {
     stretches: Vec<Stretch>,
     bends: Vec<Bend>,
     hinges: Vec<Hinge>,
@@ -22,7 +22,7 @@ struct Parts {
 
 /// The bonds of the chains and cells of a scene, whose bodies are these, each with its group; none without any.
 pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Option<Bonds> {
-    let mut parts = Parts::default();
+    let mut parts = BondedParts::default();
     for Beads { chain, first, beads: group } in chained(scene, bodies) {
         for (number, beads) in group.chunks(chain.beads).enumerate() {
             let start = first + number * chain.beads;
@@ -36,7 +36,7 @@ pub fn bonds<const D: usize>(scene: &Scene, bodies: &[(usize, Body<D>)]) -> Opti
             }
         }
     }
-    let Parts { stretches, bends, hinges, conserved, chains } = parts;
+    let BondedParts { stretches, bends, hinges, conserved, chains } = parts;
     (!stretches.is_empty()).then(|| Bonds {
         stretches: Rc::new(stretches),
         bends: Rc::new(bends),
@@ -75,7 +75,7 @@ fn chained<'a, const D: usize>(scene: &'a Scene, bodies: &'a [(usize, Body<D>)])
     found
 }
 
-impl Parts {
+impl BondedParts {
     /// A line or a ring, the outline of a cell included.
     fn add_chain<const D: usize>(&mut self, chain: &Chain, beads: &[(usize, Body<D>)], start: usize) {
         let bead = |number: usize| start + number % chain.beads;

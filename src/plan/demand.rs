@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     body::{Body, Motion, Trajectories, Twist},
-    constraint::fitted::EdgeLengths,
     error::Result,
+    fitted::EdgeLengths,
     geometry::{Ball, Domain},
     grid::Grid,
     mechanics::{

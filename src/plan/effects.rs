@@ -7,7 +7,7 @@ use crate::{
     interaction::{Interaction, Interactions},
     mechanics::Setup,
     motion::ShiftPeriod,
-    scene::{FlowModel, MOST_WITH_FORCES, Motion, Scene, Scheme, Step},
+    scene::{FlowModel, MOST_WITH_FORCES, Motion, Scene, Scheme, Step, TimeSection},
 };
 
 /// An effect of a scene.
@@ -90,28 +90,7 @@ fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
 /// Effects of motion, which a fluid and dry bodies share.
 pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     let scene = &plan.scene;
-    let motion = scene.time.as_ref().map(|time| {
-        let step = match time.step {
-            Step::Fixed(step) => format!("steps of {step}"),
-            Step::Auto if scene.flow.model == FlowModel::Stokes => {
-                format!(
-                    "steps in which no body moves more than {} radii relative to its neighbours, nor errs by more than {:.1e}",
-                    time.travel, time.error
-                )
-            }
-            Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
-        };
-        let scheme = match time.scheme {
-            Scheme::TwoStep => "two-step",
-            Scheme::Midpoint => "midpoint",
-            Scheme::Euler => "Euler",
-        };
-        let until = time.until.map_or(String::new(), |until| {
-            let (percent, strain) = (100.0 * until.viscosity_interval, until.strain);
-            format!(", or until 95 % confidence leaves the mean viscosity +- {percent} % over a strain of at least {strain}")
-        });
-        format!("to time {} by the {scheme} rule, {step}{until}", time.end)
-    });
+    let motion = scene.time.as_ref().map(|time| schedule(time, scene.flow.model));
     let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
     let held = if scene.stores_vorticity() { "velocity, pressure and vorticity" } else { "velocity and pressure" };
     let fields = frames.as_ref().filter(|_| scene.stores_fields()).map(|_| format!("{held} of each cell in every frame"));
@@ -134,6 +113,30 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     ];
     let motion = std::iter::once(effect(("motion in time", motion)));
     motion.chain(interactions(plan)).chain(of_output.map(effect)).collect()
+}
+
+/// To what time, by which rule and in which steps.
+fn schedule(time: &TimeSection, model: FlowModel) -> String {
+    let step = match time.step {
+        Step::Fixed(step) => format!("steps of {step}"),
+        Step::Auto if model == FlowModel::Stokes => {
+            format!(
+                "steps in which no body moves more than {} radii relative to its neighbours, nor errs by more than {:.1e}",
+                time.travel, time.error
+            )
+        }
+        Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
+    };
+    let scheme = match time.scheme {
+        Scheme::TwoStep => "two-step",
+        Scheme::Midpoint => "midpoint",
+        Scheme::Euler => "Euler",
+    };
+    let until = time.until.map_or(String::new(), |until| {
+        let (percent, strain) = (100.0 * until.viscosity_interval, until.strain);
+        format!(", or until 95 % confidence leaves the mean viscosity +- {percent} % over a strain of at least {strain}")
+    });
+    format!("to time {} by the {scheme} rule, {step}{until}", time.end)
 }
 
 /// What bodies do to each other; of the usual effects also those that are off.

@@ -10,7 +10,7 @@ mod estimate;
 mod sequence;
 mod setting;
 
-pub use answers::{Answer, Quantity};
+pub use answers::{CalibrationAnswer, EstimatedQuantity};
 pub use cache::{Calibrated, FILE, cached};
 pub use estimate::Estimate;
 pub use sequence::{RefinementSequence, Solved};

@@ -3,15 +3,19 @@
 //! A [`Run`] knows the order of things and no file; each [`Output`] writes one thing at its own pace and cannot change the run.
 
 mod calibration;
+mod column;
 mod command;
 mod finished;
 mod folder;
 mod memory;
+mod motion_view;
 mod options;
 mod origin;
 mod output;
 mod outputs;
 mod page;
+mod quantities;
+mod quantity;
 #[expect(clippy::module_inception, reason = "the run is what the module is named after")]
 mod run;
 mod scalar;
@@ -19,17 +23,25 @@ mod signals;
 mod statistics;
 mod summary;
 mod trial;
+mod view;
 mod viscosity;
 
-pub use calibration::{Answer, Calibration, Estimate, Quantity, RefinementLevel, RefinementSequence, Solved, cached, coarsest};
+pub use calibration::{
+    Calibration, CalibrationAnswer, Estimate, EstimatedQuantity, RefinementLevel, RefinementSequence, Solved, cached, coarsest,
+};
+pub use column::{Number, SeriesColumn, SeriesEntry};
 pub use command::command;
 pub use finished::Finished;
 pub use folder::{NewRun, RunFolder};
 pub use memory::{check_memory, check_memory_of_plan};
+pub use motion_view::{ContactTotals, MotionView};
 pub use options::Options;
-pub use output::{BeforeStep, ContactTotals, Evaluated, EvaluatedFlow, EvaluatedMotion, Output};
+pub use output::{BeforeStep, Output};
 pub use outputs::outputs;
+pub use quantities::columns;
+pub use quantity::{Finite, Quantity, QuantityValue};
 pub use run::{Run, complete};
 pub use statistics::{KeptContacts, RunStatistics};
 pub use trial::Trial;
+pub use view::{FlowView, View};
 pub use viscosity::ViscosityHistory;

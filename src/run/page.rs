@@ -9,7 +9,8 @@ use std::{
 use super::command::command;
 use crate::{
     output::{
-        Answer, Facts, Image, KNOWN_FILES, LOG, MeanViscosity, Page, Parts, Standing, Summary, Table, answers, bodies_table, date, duration,
+        Answer, Breakdown, Facts, Image, KNOWN_FILES, LOG, MeanViscosity, Page, Standing, Summary, Table, answers, bodies_table, date,
+        duration,
     },
     parallel::Machine,
     scene::Scene,
@@ -181,10 +182,10 @@ fn solver_facts(summary: &Summary) -> Option<Facts> {
 }
 
 /// The viscosity, and the seconds of the run, as sums.
-fn parts(summary: &Summary, mean: Option<&MeanViscosity>) -> Vec<Parts> {
+fn parts(summary: &Summary, mean: Option<&MeanViscosity>) -> Vec<Breakdown> {
     let viscosity = summary.viscosity.as_ref().map(|viscosity| match mean {
-        Some(mean) => Parts { title: "What the mean viscosity is made up of", parts: mean.parts.in_words(), decimals: 4 },
-        None => Parts { title: "What the viscosity is made up of", parts: viscosity.parts.in_words(), decimals: 4 },
+        Some(mean) => Breakdown { title: "What the mean viscosity is made up of", parts: mean.parts.in_words(), decimals: 4 },
+        None => Breakdown { title: "What the viscosity is made up of", parts: viscosity.parts.in_words(), decimals: 4 },
     });
     let seconds = match (&summary.motion, &summary.solver) {
         (Some(motion), _) => {
@@ -202,6 +203,6 @@ fn parts(summary: &Summary, mean: Option<&MeanViscosity>) -> Vec<Parts> {
         ],
         (None, None) => Vec::new(),
     };
-    let seconds = Parts { title: "Seconds of wall time", parts: seconds, decimals: 2 };
+    let seconds = Breakdown { title: "Seconds of wall time", parts: seconds, decimals: 2 };
     viscosity.into_iter().chain([seconds]).filter(|parts| parts.parts.iter().any(|(_, value)| *value != 0.0)).collect()
 }

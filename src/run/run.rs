@@ -4,15 +4,20 @@ use std::time::Instant;
 
 use super::{
     calibration::{self, Calibrated, RefinementSequence, Solved},
+    column::SeriesEntry,
     finished::Finished,
     folder::RunFolder,
+    motion_view::MotionView,
     options::Options,
-    output::{BeforeStep, Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
+    output::{BeforeStep, Output},
     outputs::{self, outputs},
+    quantities::quantities,
+    quantity::Quantity,
     scalar,
     signals::Signals,
     statistics::RunStatistics,
     summary::{summary, table_of_bodies},
+    view::{FlowView, View},
     viscosity::ViscosityHistory,
 };
 use crate::{
@@ -25,7 +30,7 @@ use crate::{
     parallel::World,
     petsc::{Session, Stage, enter},
     plan::flow_solver,
-    scene::{ContactModel, Scene},
+    scene::Scene,
 };
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
@@ -42,6 +47,8 @@ pub struct Run<'a, const D: usize> {
     statistics: RunStatistics,
     history: ViscosityHistory,
     viscosity: Option<Viscosity>,
+    quantities: Vec<Quantity<D>>,
+    row: Vec<SeriesEntry>,
     signals: Option<Signals>,
     /// Whether what there is to see of the state was evaluated.
     evaluated: bool,
@@ -97,13 +104,7 @@ impl<'a, const D: usize> Run<'a, D> {
         options: Options,
     ) -> Result<Run<'a, D>> {
         let world = session.world();
-        if scene.dimension() != D || scene.scalar() {
-            return Err(scene.refuse(
-                "domain.size",
-                format!("{:?}", scene.domain.size),
-                &format!("is not that of a flow or of bodies in {D}D"),
-            ));
-        }
+        refuse_dimension::<D>(scene)?;
         let (calibrated, solved) = match scene.accuracy {
             Some(_) => calibrate(session, scene, &mut folder, checkpoint.is_none())?,
             None => (None, None),
@@ -125,6 +126,8 @@ impl<'a, const D: usize> Run<'a, D> {
             statistics,
             history: ViscosityHistory::default(),
             viscosity: None,
+            quantities: quantities(),
+            row: Vec::new(),
             signals,
             evaluated: false,
         };
@@ -156,6 +159,17 @@ impl<'a, const D: usize> Run<'a, D> {
     /// Adds an output, which writes after the others.
     pub fn add(&mut self, output: Box<dyn Output<D>>) {
         self.outputs.push(output);
+    }
+
+    /// Adds a quantity, which is measured at each instant: it gets columns in `series.csv` and entries in the summary, as those of the program have.
+    /// To be called before the first [`advance`](Run::advance).
+    ///
+    /// # Errors
+    /// Another quantity has its name, or it is no name of a column.
+    pub fn measure(&mut self, quantity: Quantity<D>) -> Result<()> {
+        quantity.check(&self.quantities)?;
+        self.quantities.push(quantity);
+        Ok(())
     }
 
     /// Takes a step, unless this is the first call, evaluates the state and writes what is due; whether the run goes on from there.
@@ -206,6 +220,11 @@ impl<'a, const D: usize> Run<'a, D> {
         self.viscosity.as_ref()
     }
 
+    /// What was measured of what was evaluated last, a number for each column.
+    pub fn row(&self) -> &[SeriesEntry] {
+        &self.row
+    }
+
     /// The viscosity over time.
     pub fn history(&self) -> &ViscosityHistory {
         &self.history
@@ -227,11 +246,11 @@ impl<'a, const D: usize> Run<'a, D> {
         self.evaluated = true;
         self.timed(|run| {
             if let Machinery::InTime { simulation, .. } = &run.machinery {
-                let contact = run.scene.contact.model != ContactModel::None;
-                let point = run.viscosity.map(|viscosity| CurvePoint::of(&viscosity, simulation.state().time, contact));
+                let point = run.viscosity.map(|viscosity| CurvePoint::of(&viscosity, simulation.state().time));
                 run.history.add(run.world, point, ABOUT);
             }
-            run.tell(|output, seen| output.write(seen))
+            run.row = run.measured()?;
+            run.tell(|output, view| output.write(view))
         })
     }
 
@@ -286,23 +305,28 @@ impl<'a, const D: usize> Run<'a, D> {
     }
 
     /// Tells every output of what is seen.
-    fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &Evaluated<D>) -> Result<()>) -> Result<()> {
+    fn tell(&mut self, mut tell: impl FnMut(&mut dyn Output<D>, &View<D>) -> Result<()>) -> Result<()> {
         let mut outputs = std::mem::take(&mut self.outputs);
-        let seen = self.seen();
-        let outcome = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &seen));
+        let view = self.view();
+        let outcome = outputs.iter_mut().try_for_each(|output| tell(output.as_mut(), &view));
         self.outputs = outputs;
         outcome
     }
 
-    fn seen(&self) -> Evaluated<'_, D> {
-        let motion = match &self.machinery {
-            Machinery::InTime { simulation, observation: Some(observation) } => {
-                Some(EvaluatedMotion { simulation, observation, statistics: &self.statistics, last: self.ended() })
-            }
-            _ => None,
-        };
-        let (scene, flow, viscosity) = (&self.scene, self.machinery.flow(), self.viscosity);
-        Evaluated { world: self.world, scene, flow, viscosity, motion, history: &self.history }
+    fn view(&self) -> View<'_, D> {
+        let mut view = View::new(self.world, &self.scene, &self.history);
+        (view.flow, view.viscosity, view.row) = (self.machinery.flow(), self.viscosity, &self.row);
+        if let Machinery::InTime { simulation, observation: Some(observation) } = &self.machinery {
+            view.motion = Some(MotionView { simulation, observation, statistics: &self.statistics, last: self.ended() });
+        }
+        view
+    }
+
+    /// All quantities of what was evaluated.
+    fn measured(&self) -> Result<Vec<SeriesEntry>> {
+        let view = self.view();
+        let measured = self.quantities.iter().map(|quantity| quantity.measure(&view)).collect::<Result<Vec<_>>>()?;
+        Ok(measured.into_iter().flatten().collect())
     }
 
     /// The numbers of what was evaluated last, or of the start.
@@ -313,7 +337,7 @@ impl<'a, const D: usize> Run<'a, D> {
         if !self.evaluated {
             self.evaluate()?;
         }
-        let mut summary = summary(&self.seen());
+        let mut summary = summary(&self.view());
         if let (Some(calibrated), Some(flow)) = (&self.calibrated, self.machinery.flow()) {
             calibrated.attach(&mut summary, flow.solver, flow.solution)?;
         }
@@ -333,14 +357,14 @@ impl<'a, const D: usize> Run<'a, D> {
             files.extend(self.calibrated.as_ref().map(|_| calibration::FILE.to_owned()));
         }
         summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
-        self.tell(|output, seen| {
-            files.extend(output.finish(seen, &mut summary)?);
+        self.tell(|output, view| {
+            files.extend(output.finish(view, &mut summary)?);
             // a picture may take more than the run
-            summary.measure_memory(seen.world);
+            summary.measure_memory(view.world);
             Ok(())
         })?;
         if let Some(folder) = &self.folder {
-            files.extend(table_of_bodies(&self.seen(), &summary, folder.path())?);
+            files.extend(table_of_bodies(&self.view(), &summary, folder.path())?);
         }
         // with the seconds of what was written since
         summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
@@ -392,10 +416,10 @@ impl<const D: usize> Machinery<D> {
         }
     }
 
-    fn evaluate(&mut self, seen: &mut dyn FnMut(usize, f64)) -> Result<()> {
+    fn evaluate(&mut self, monitor: &mut dyn FnMut(usize, f64)) -> Result<()> {
         match self {
             Machinery::Instant { solution: Some(_), .. } => {}
-            Machinery::Instant { solver, solution } => *solution = Some(solver.solve(seen)?),
+            Machinery::Instant { solver, solution } => *solution = Some(solver.solve(monitor)?),
             Machinery::InTime { simulation, observation } => *observation = Some(simulation.evaluate(&mut |_, _| {})?),
         }
         Ok(())
@@ -408,11 +432,11 @@ impl<const D: usize> Machinery<D> {
         }
     }
 
-    fn flow(&self) -> Option<EvaluatedFlow<'_, D>> {
+    fn flow(&self) -> Option<FlowView<'_, D>> {
         match self {
-            Machinery::Instant { solver, solution } => Some(EvaluatedFlow { solver: solver.as_ref(), solution: solution.as_ref()? }),
+            Machinery::Instant { solver, solution } => Some(FlowView { solver: solver.as_ref(), solution: solution.as_ref()? }),
             Machinery::InTime { simulation, observation } => {
-                Some(EvaluatedFlow { solver: simulation.suspension()?, solution: observation.as_ref()?.solution.as_ref()? })
+                Some(FlowView { solver: simulation.suspension()?, solution: observation.as_ref()?.solution.as_ref()? })
             }
         }
     }
@@ -425,6 +449,13 @@ impl<const D: usize> Machinery<D> {
         };
         observe::viscosity(flow.solver.setup(), flow.solver.grid(), flow.solution, contacts)
     }
+}
+
+fn refuse_dimension<const D: usize>(scene: &Scene) -> Result<()> {
+    if scene.dimension() == D && !scene.scalar() {
+        return Ok(());
+    }
+    Err(scene.refuse("domain.size", format!("{:?}", scene.domain.size), &format!("is not that of a flow or of bodies in {D}D")))
 }
 
 /// The setting that meets a scene's accuracy, and the last solution if it is found now.

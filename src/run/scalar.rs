@@ -19,13 +19,13 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<
     let world = session.world();
     let setup = world.agree(ScalarSetup::<D>::on(world.into(), scene))?;
     let progress = options.progress.then(|| Progress::new(world.rank(), scene.method.tolerance.at_an_instant()));
-    let mut seen = |iteration, residual| progress.iter().for_each(|line| line.show(iteration, residual));
+    let mut monitor = |iteration, residual| progress.iter().for_each(|line| line.show(iteration, residual));
     let mut claim = || folder.as_mut().map(|folder| begin(world, scene, folder)).transpose();
     match scene.method.constraint {
         ConstraintMethod::Fitted => {
             let mut inclusions = FittedInclusions::new(session, setup)?;
             let notes = claim()?;
-            let solution = &inclusions.solve(&mut seen)?;
+            let solution = &inclusions.solve(&mut monitor)?;
             drop(progress);
             let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
             write(world, (scene, notes), folder, &SolvedScalar { setup, grid, solution, inverse: "direct", cost })
@@ -33,7 +33,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<
         _ => {
             let mut inclusions = Inclusions::new(session, setup)?;
             let notes = claim()?;
-            let solution = &inclusions.solve(&mut seen)?;
+            let solution = &inclusions.solve(&mut monitor)?;
             drop(progress);
             let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
             write(world, (scene, notes), folder, &SolvedScalar { setup, grid, solution, inverse: "hypre", cost })

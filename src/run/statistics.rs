@@ -183,22 +183,26 @@ impl RunStatistics {
             ("last.solving", Real(&mut effort.solving)),
             ("last.contact", Real(&mut effort.contact)),
         ]);
-        let Some(kkt_report) = kkt_report else { return numbers };
-        numbers.extend([
-            ("last.pairs", Count(&mut kkt_report.pairs)),
-            ("last.active", Count(&mut kkt_report.active)),
-            ("last.smallest_gap", Real(&mut kkt_report.smallest_gap)),
-            ("last.kkt_residual", Real(&mut kkt_report.kkt_residual)),
-            ("last.total_force", Real(&mut kkt_report.total_force)),
-            ("last.contact_iterations", Count(&mut kkt_report.iterations)),
-            ("last.contact_solver", Number::Solver(&mut kkt_report.solver)),
-            ("last.islands", Count(&mut kkt_report.islands)),
-            ("last.rounds", Count(&mut kkt_report.rounds)),
-            ("last.largest_island", Count(&mut kkt_report.largest_island)),
-        ]);
-        numbers.extend(kkt_report.friction.as_mut().map_or(Vec::new(), of_friction));
+        numbers.extend(kkt_report.as_mut().map_or(Vec::new(), of_contacts));
         numbers
     }
+}
+
+fn of_contacts(kept: &mut KktReport) -> Vec<(&'static str, Number<'_>)> {
+    let mut numbers = vec![
+        ("last.pairs", Count(&mut kept.pairs)),
+        ("last.active", Count(&mut kept.active)),
+        ("last.smallest_gap", Real(&mut kept.smallest_gap)),
+        ("last.kkt_residual", Real(&mut kept.kkt_residual)),
+        ("last.total_force", Real(&mut kept.total_force)),
+        ("last.contact_iterations", Count(&mut kept.iterations)),
+        ("last.contact_solver", Number::Solver(&mut kept.solver)),
+        ("last.islands", Count(&mut kept.islands)),
+        ("last.rounds", Count(&mut kept.rounds)),
+        ("last.largest_island", Count(&mut kept.largest_island)),
+    ];
+    numbers.extend(kept.friction.as_mut().map_or(Vec::new(), of_friction));
+    numbers
 }
 
 fn of_friction(friction: &mut FrictionReport) -> Vec<(&'static str, Number<'_>)> {

@@ -2,36 +2,40 @@
 
 use std::path::Path;
 
-use super::output::{Evaluated, EvaluatedMotion};
+use super::{column::SeriesEntry, motion_view::MotionView, view::View};
 use crate::{
     contact::FrictionReport,
     error::Result,
-    output::{BODY_TABLE, BodySummary, ContactSummary, FrictionSummary, GlueSummary, Summary, viscosity_too_short, write_bodies},
+    output::{
+        BODY_TABLE, BodySummary, ContactSummary, FrictionSummary, GlueSummary, QuantitySummary, Summary, viscosity_too_short, write_bodies,
+    },
     parallel::World,
     scene::{ContactModel, Scene},
 };
 
 /// The numbers of what is seen, without those of the run as a whole; collective.
-pub fn summary<const D: usize>(seen: &Evaluated<D>) -> Summary {
-    let mut summary = match (&seen.flow, &seen.motion) {
-        (Some(flow), _) => Summary::of_flow(seen.scene, flow.solver, flow.solution, seen.viscosity, seen.world),
-        (None, Some(motion)) => Summary::of_granular(seen.scene, motion.simulation, seen.world),
+pub fn summary<const D: usize>(view: &View<D>) -> Summary {
+    let mut summary = match (&view.flow, &view.motion) {
+        (Some(flow), _) => Summary::of_flow(view.scene, flow.solver, flow.solution, view.viscosity, view.world),
+        (None, Some(motion)) => Summary::of_granular(view.scene, motion.simulation, view.world),
         (None, None) => unreachable!("a run evaluates something before it ends"),
     };
-    let Some(motion) = &seen.motion else { return summary };
+    summary.quantities = view.row.iter().filter(|entry| entry.column.physical).map(quantity).collect();
+    let Some(motion) = &view.motion else { return summary };
     (summary.time, summary.steps) = (motion.state().time, motion.state().steps);
-    if seen.scene.contact.model != ContactModel::None {
-        summary.contact = Some(contacts(seen.world, seen.scene, motion));
-        if let (Some(parts), Some(viscosity)) = (&mut summary.viscosity, seen.viscosity) {
-            parts.parts = viscosity.parts;
-            parts.particle_pressure_contact = Some(viscosity.normal.contact_pressure);
-        }
+    if view.scene.contact.model != ContactModel::None {
+        summary.contact = Some(contacts(view.world, view.scene, motion));
     }
     if let Some(parts) = &mut summary.viscosity {
-        parts.mean = seen.history.mean().copied();
-        parts.too_short = viscosity_too_short(seen.history.points()).filter(|_| parts.mean.is_none());
+        parts.mean = view.history.mean().copied();
+        parts.too_short = viscosity_too_short(view.history.points()).filter(|_| parts.mean.is_none());
     }
     summary
+}
+
+/// A quantity as it is now.
+fn quantity(SeriesEntry { column, number }: &SeriesEntry) -> (String, QuantitySummary) {
+    (column.name.clone(), QuantitySummary::new(&column.unit, &column.meaning, number.value()))
 }
 
 /// Bodies of a dry run that are written to the table at once.
@@ -41,21 +45,21 @@ const AT_ONCE: usize = 100_000;
 ///
 /// # Errors
 /// It cannot be written.
-pub fn table_of_bodies<const D: usize>(seen: &Evaluated<D>, summary: &Summary, folder: &Path) -> Result<Option<String>> {
+pub fn table_of_bodies<const D: usize>(view: &View<D>, summary: &Summary, folder: &Path) -> Result<Option<String>> {
     if summary.other_bodies.is_none() {
         return Ok(None);
     }
     let path = folder.join(BODY_TABLE);
-    match (&seen.flow, &seen.motion) {
-        (Some(flow), _) => seen.world.on_first_rank(|| write_bodies(&path, D, BodySummary::of_flow(flow.solver.setup(), flow.solution)))?,
+    match (&view.flow, &view.motion) {
+        (Some(flow), _) => view.world.on_first_rank(|| write_bodies(&path, D, BodySummary::of_flow(flow.solver.setup(), flow.solution)))?,
         (None, Some(motion)) => {
             let (simulation, count) = (motion.simulation, motion.state().count());
             let part = |first: usize| simulation.whole_part(first..(first + AT_ONCE).min(count));
             let mut bodies = (0..count).step_by(AT_ONCE).flat_map(|first| BodySummary::of_granular(motion.domain(), part(first)));
-            let written = if seen.world.rank() == 0 { write_bodies(&path, D, &mut bodies) } else { Ok(()) };
+            let written = if view.world.rank() == 0 { write_bodies(&path, D, &mut bodies) } else { Ok(()) };
             // each part comes from all ranks, whether it can be written or not
             bodies.for_each(drop);
-            seen.world.agree(written)?;
+            view.world.agree(written)?;
         }
         (None, None) => {}
     }
@@ -63,7 +67,7 @@ pub fn table_of_bodies<const D: usize>(seen: &Evaluated<D>, summary: &Summary, f
 }
 
 /// Contacts now, and how well they were kept on the way. Collective.
-fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &EvaluatedMotion<D>) -> ContactSummary {
+fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &MotionView<D>) -> ContactSummary {
     let (model, totals, kept) = (scene.contact.model, motion.contact_totals(world), motion.statistics.contacts());
     let (residual, steps_above_tolerance) = kept.friction;
     ContactSummary {

@@ -54,16 +54,18 @@ pub(super) fn keys(scene: &Scene) -> Keys {
     }
     if !scene.scalar() {
         keys.extend(of_contact(contact));
-        keys.extend(match lubrication.model {
-            LubricationModel::None => vec![word("lubrication.model", "none")],
-            LubricationModel::Pairwise { roughness } => {
-                vec![word("lubrication.model", "pairwise"), number("lubrication.roughness", roughness)]
-            }
-        });
+        keys.extend(of_lubrication(lubrication.model));
     }
     keys.extend(time.iter().flat_map(|time| of_time(time, scene.flow.model)));
     keys.extend(of_output(output, time.is_some(), flow.model));
     keys
+}
+
+fn of_lubrication(model: LubricationModel) -> Keys {
+    match model {
+        LubricationModel::None => vec![word("lubrication.model", "none")],
+        LubricationModel::Pairwise { roughness } => vec![word("lubrication.model", "pairwise"), number("lubrication.roughness", roughness)],
+    }
 }
 
 /// The text of a scene file that holds these keys.

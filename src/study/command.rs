@@ -32,11 +32,11 @@ pub struct StudyCommand {
     pub name: &'static str,
     about: &'static str,
     arguments: fn(Command) -> Command,
-    run: Run,
+    run: StudyRun,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Run {
+enum StudyRun {
     Alone(fn(&ArgMatches, &PetscOptions) -> Result<()>),
     OnRanks(fn(&ArgMatches, &Session) -> Result<()>),
 }
@@ -47,13 +47,13 @@ impl StudyCommand {
         let run: fn(&ArgMatches, &PetscOptions) -> Result<()> = |matches, petsc| {
             if launched() { Err(ranks_refused()) } else { parsed::<S>(matches)?.run(petsc) }
         };
-        StudyCommand { name: S::NAME, about: S::ABOUT, arguments: S::augment_args, run: Run::Alone(run) }
+        StudyCommand { name: S::NAME, about: S::ABOUT, arguments: S::augment_args, run: StudyRun::Alone(run) }
     }
 
     /// A study on the ranks of this program.
     pub fn on_ranks<S: Study<Session>>() -> StudyCommand {
         let run: fn(&ArgMatches, &Session) -> Result<()> = |matches, session| parsed::<S>(matches)?.run(session);
-        StudyCommand { name: S::NAME, about: S::ABOUT, arguments: S::augment_args, run: Run::OnRanks(run) }
+        StudyCommand { name: S::NAME, about: S::ABOUT, arguments: S::augment_args, run: StudyRun::OnRanks(run) }
     }
 
     /// The command with its help.
@@ -63,7 +63,7 @@ impl StudyCommand {
 
     /// Makes a study that starts runs of its own; nothing if it is another one.
     pub fn run_alone(&self, matches: &ArgMatches, petsc: &PetscOptions) -> Option<Result<()>> {
-        if let Run::Alone(run) = self.run { Some(run(matches, petsc)) } else { None }
+        if let StudyRun::Alone(run) = self.run { Some(run(matches, petsc)) } else { None }
     }
 
     /// Makes a study on the ranks of this program.
@@ -71,7 +71,7 @@ impl StudyCommand {
     /// # Errors
     /// It fails, or is one that starts runs of its own.
     pub fn run_on_ranks(&self, matches: &ArgMatches, session: &Session) -> Result<()> {
-        if let Run::OnRanks(run) = self.run { run(matches, session) } else { Err(ranks_refused()) }
+        if let StudyRun::OnRanks(run) = self.run { run(matches, session) } else { Err(ranks_refused()) }
     }
 }
 

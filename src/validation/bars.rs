@@ -7,7 +7,7 @@ use std::{ops::Range, time::Instant};
 pub use self::random::random_scene;
 use self::random::random_scene_in_space;
 use super::{
-    known::{Bar, KnownScene},
+    known::{ErrorBar, KnownScene},
     scenes::known_scenes,
 };
 use crate::{
@@ -53,7 +53,7 @@ pub fn bars(session: &Session, accuracies: &[f64], random: Option<RandomScenes>)
             let seconds = session.world().max(start.elapsed().as_secs_f64());
             let (name, what) = (&scene.name, scene.answer.quantity.word());
             match outcome {
-                Ok(Bar { estimated, error, calibration }) => {
+                Ok(ErrorBar { estimated, error, calibration }) => {
                     let grids: Vec<String> = calibration.levels.iter().map(|level| level.cells_per_radius.to_string()).collect();
                     say(&format!("| {what}, {name} | {accuracy} | {} | {estimated:.1e} | {error:.1e} | {seconds:.2} |", grids.join(", ")))?;
                     honest += usize::from(error <= estimated);

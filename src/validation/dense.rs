@@ -86,21 +86,21 @@ const KNOWN: [KnownSuspension; 5] = [
 ];
 
 /// Numbers at one fraction and gap, fractions and gaps at one number, by dimension.
-struct Growth {
+struct IterationGrowth {
     dimension: usize,
     cells: f64,
     numbers: (&'static [usize], f64, f64),
     suspensions: (usize, &'static [(f64, &'static [f64])]),
 }
 
-const GROWTH: [Growth; 2] = [
-    Growth {
+const GROWTH: [IterationGrowth; 2] = [
+    IterationGrowth {
         dimension: 2,
         cells: 5.0,
         numbers: (&[100, 300, 1_000, 3_000, 10_000], 0.5, 0.01),
         suspensions: (1_000, &[(0.3, &[0.1, 1e-3]), (0.5, &[0.1, 1e-2, 1e-3, 1e-4]), (0.7, &[1e-2, 1e-4]), (0.8, &[1e-2, 1e-4])]),
     },
-    Growth {
+    IterationGrowth {
         dimension: 3,
         cells: 4.0,
         numbers: (&[30, 100, 300, 1_000, 2_000], 0.4, 0.01),
@@ -157,7 +157,7 @@ pub(super) fn centers(table: &str) -> String {
     text + "]"
 }
 
-impl Growth {
+impl IterationGrowth {
     fn row(&self, session: &Session, count: usize, fraction: f64, gap: f64) -> Result<String> {
         let volume = if self.dimension == 2 { std::f64::consts::PI } else { 4.0 / 3.0 * std::f64::consts::PI };
         let side = (count as f64 * volume / fraction).powf(1.0 / self.dimension as f64);

@@ -6,7 +6,7 @@ use super::solve::solve;
 use crate::{
     error::{Error, Result},
     petsc::Session,
-    run::{Answer, Calibration, Quantity, RefinementSequence},
+    run::{Calibration, CalibrationAnswer, EstimatedQuantity, RefinementSequence},
     scene::Scene,
 };
 
@@ -17,11 +17,11 @@ pub struct KnownScene {
     /// Its text, without resolution and accuracy.
     pub text: String,
     /// All numbers of one quantity.
-    pub answer: Answer,
+    pub answer: CalibrationAnswer,
 }
 
 /// A bar beside the truth.
-pub struct Bar {
+pub struct ErrorBar {
     /// Estimated relative error.
     pub estimated: f64,
     /// True relative error.
@@ -31,7 +31,7 @@ pub struct Bar {
 }
 
 /// The quantity of a word.
-pub fn quantity_of(word: &str) -> Option<Quantity> {
+pub fn quantity_of(word: &str) -> Option<EstimatedQuantity> {
     serde_json::from_value(word.into()).ok()
 }
 
@@ -42,7 +42,7 @@ impl KnownScene {
         let mut words = text.lines().find_map(|line| line.strip_prefix("#= "))?.split(' ');
         let quantity = quantity_of(words.next()?)?;
         let values = words.map(str::parse).collect::<std::result::Result<_, _>>().ok()?;
-        Some(KnownScene { name, text: text.to_owned(), answer: Answer { quantity, values } })
+        Some(KnownScene { name, text: text.to_owned(), answer: CalibrationAnswer { quantity, values } })
     }
 
     /// The dimension of its space.
@@ -54,7 +54,7 @@ impl KnownScene {
     ///
     /// # Errors
     /// The accuracy cannot be met, or the scene does not answer what is known.
-    pub fn solve(&self, session: &Session, accuracy: f64) -> Result<Bar> {
+    pub fn solve(&self, session: &Session, accuracy: f64) -> Result<ErrorBar> {
         let scene = self.read(accuracy)?;
         match scene.dimension() {
             2 => self.measure::<2>(session, &scene),
@@ -74,7 +74,7 @@ impl KnownScene {
     ///
     /// # Errors
     /// It cannot be solved, or does not answer what is known.
-    pub fn answered(&self, session: &Session, overrides: &[String]) -> Result<Answer> {
+    pub fn answered(&self, session: &Session, overrides: &[String]) -> Result<CalibrationAnswer> {
         let scene = Scene::parse("known", Path::new("."), &self.text, overrides)?;
         let answers = if scene.dimension() == 2 {
             answers::<2>(session, &self.text, overrides)
@@ -84,22 +84,22 @@ impl KnownScene {
         self.find(answers?)
     }
 
-    fn find(&self, answers: Vec<Answer>) -> Result<Answer> {
+    fn find(&self, answers: Vec<CalibrationAnswer>) -> Result<CalibrationAnswer> {
         let quantity = self.answer.quantity;
         let missing = || Error::Diverged(format!("{} has no {}", self.name, quantity.word()));
         answers.into_iter().find(|answer| answer.quantity == quantity).ok_or_else(missing)
     }
 
-    fn measure<const D: usize>(&self, session: &Session, scene: &Scene) -> Result<Bar> {
+    fn measure<const D: usize>(&self, session: &Session, scene: &Scene) -> Result<ErrorBar> {
         let (calibration, (suspension, solution)) = RefinementSequence::<D>::begin(session, scene)?.refine_until_met()?;
-        let found = self.find(Answer::all(&suspension, &solution)?)?;
+        let found = self.find(CalibrationAnswer::all(&suspension, &solution)?)?;
         let missing = || Error::Diverged(format!("{} has no bar", self.name));
         let estimated = calibration.error(found.quantity).ok_or_else(missing)?;
-        Ok(Bar { estimated, error: self.answer.distance(&found), calibration })
+        Ok(ErrorBar { estimated, error: self.answer.distance(&found), calibration })
     }
 }
 
-fn answers<const D: usize>(session: &Session, text: &str, overrides: &[String]) -> Result<Vec<Answer>> {
+fn answers<const D: usize>(session: &Session, text: &str, overrides: &[String]) -> Result<Vec<CalibrationAnswer>> {
     let (suspension, solution) = solve::<D>(session, text, overrides)?;
-    Answer::all(&suspension, &solution)
+    CalibrationAnswer::all(&suspension, &solution)
 }

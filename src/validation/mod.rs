@@ -24,7 +24,7 @@ pub use self::{
     bars::random_scene,
     case::Case,
     cases::cases,
-    known::{Bar, KnownScene},
+    known::{ErrorBar, KnownScene},
     scenes::known_scenes,
 };
 use crate::{

@@ -20,7 +20,7 @@ use crate::{
     error::{Error, Result},
     mechanics::{Inclusions, ScalarSetup},
     petsc::Session,
-    run::Answer,
+    run::CalibrationAnswer,
     scene::Scene,
 };
 
@@ -115,7 +115,7 @@ fn number_of_flow<const D: usize>(session: &Session, text: &str, overrides: &[St
         Some(("viscosity", "first_normal_difference")) => Some(viscosity(&suspension, &solution)?.normal.first),
         Some((word, place)) => {
             let (quantity, place) = (quantity_of(word), place.parse::<usize>().ok());
-            let answers = Answer::all(&suspension, &solution)?;
+            let answers = CalibrationAnswer::all(&suspension, &solution)?;
             let answer = answers.into_iter().find(|answer| Some(answer.quantity) == quantity);
             answer.zip(place).and_then(|(answer, place)| answer.values.get(place).copied())
         }

@@ -6,7 +6,7 @@ use turbid::{
     error::Error,
     mechanics::{Setup, Suspension},
     petsc::Session,
-    run::{Quantity, RefinementSequence},
+    run::{EstimatedQuantity, RefinementSequence},
     scene::Scene,
     validation::{KnownScene, known_scenes, random_scene},
 };
@@ -107,8 +107,8 @@ fn a_tighter_accuracy_takes_a_finer_grid(session: &Session) {
         let (calibration, (suspension, _)) =
             RefinementSequence::<2>::begin(session, &disk(accuracy, &[])).unwrap().refine_until_met().unwrap();
         assert_eq!(calibration.levels.last().unwrap().grid_unknowns, suspension.cost().grid_unknowns);
-        assert!(calibration.error(Quantity::Drag).is_some_and(|error| error <= accuracy));
-        assert!(calibration.error(Quantity::Viscosity).is_none());
+        assert!(calibration.error(EstimatedQuantity::Drag).is_some_and(|error| error <= accuracy));
+        assert!(calibration.error(EstimatedQuantity::Viscosity).is_none());
         calibration.cells_per_radius
     });
     assert!(cells.is_sorted() && cells[0] < cells[2] && cells[2] < cells[3], "{cells:?}");

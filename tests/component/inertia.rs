@@ -5,7 +5,7 @@ use std::{f64::consts::TAU, path::Path};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use turbid::{
     body::{Body, Motion, Twist, skew},
-    constraint::fitted::Mesh,
+    fitted::Mesh,
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},

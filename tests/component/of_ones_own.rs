@@ -1,4 +1,4 @@
-//! Laws of contact and forces that are registered from outside, by what the library gives to anybody.
+//! Laws of contact, forces and quantities that are registered from outside, by what the library gives to anybody.
 
 use nalgebra::{Matrix2, SMatrix, Vector2};
 use turbid::{
@@ -9,7 +9,8 @@ use turbid::{
     mechanics::Suspension,
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::Session,
-    scene::{Scheme, Step, TimeSection},
+    run::{NewRun, Number, Options, Quantity, Run, RunFolder, View},
+    scene::{AxisSection, BodyGroup, Placement, ResolutionSection, Scene, Scheme, Spacing, Step, TimeSection},
 };
 
 use crate::{
@@ -24,6 +25,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_random_force_moves_dry_bodies_as_the_sum_of_its_impulses_does),
         Test::of(a_random_force_moves_bodies_in_a_flow_as_given_forces_do),
         Test::of(a_random_force_is_the_same_after_a_restart),
+        Test::of(a_quantity_is_a_column_of_the_series_and_an_entry_of_the_summary),
     ]
 }
 
@@ -189,4 +191,53 @@ fn a_random_force_is_the_same_after_a_restart(session: &Session) {
         Simulation::flowing(session, Box::new(suspension), fixed(0.25, 1.5, Scheme::TwoStep))
     };
     stepper_conforms(&start, 1e-7);
+}
+
+/// Two disks between walls that shear them.
+fn sheared() -> Scene {
+    let mut scene = Scene::new("own", &[2.0, 2.0]);
+    scene.domain.axes[1] = AxisSection::Walls { lower: vec![-1.0, 0.0], upper: vec![1.0, 0.0] };
+    scene.resolution = Some(ResolutionSection::new(Spacing::Length(0.1)));
+    scene.bodies = vec![BodyGroup::new(0.3, Placement::Centers(vec![vec![0.5, 0.8], vec![1.5, 1.2]]))];
+    scene.time = Some(TimeSection { step: Step::Fixed(0.1), ..TimeSection::to(0.3) });
+    scene.checked().unwrap()
+}
+
+/// The mean square of heights above the middle of the box.
+fn spread(view: &View<2>) -> Option<f64> {
+    let motion = view.motion?;
+    let heights = motion.state().bodies.iter().map(|body| body.center.y - 0.5 * motion.domain().size.y);
+    let mut sums = [heights.clone().map(|height| height * height).sum(), heights.count() as f64];
+    motion.state().peers(view.world).sum(&mut sums);
+    Some(sums[0] / sums[1])
+}
+
+fn a_quantity_is_a_column_of_the_series_and_an_entry_of_the_summary(session: &Session) {
+    let (world, scene) = (session.world(), sheared());
+    let name = world.broadcast(0, &format!("turbid-own-quantity-{}", std::process::id()));
+    let path = std::env::temp_dir().join(name);
+    let folder = RunFolder::to_begin(world, &path, NewRun { scene: &scene, scene_file: None, overwrite: true }).unwrap();
+    let mut run = Run::<2>::start(session, &scene, Some(folder), Options::default()).unwrap();
+    run.measure(Quantity::new("spread", "area", "mean square of heights above the middle", spread)).unwrap();
+    run.measure(Quantity::of_shear("stress_ratio", "first normal over shear stress", |found| Some(found.normal.first / found.relative())))
+        .unwrap();
+    for taken in ["spread", "viscosity", "Spread"] {
+        let refusal = run.measure(Quantity::new(taken, "", "", |_| Some(1.0))).unwrap_err().to_string();
+        assert!(refusal.starts_with(&format!("quantity {taken}: ")), "{refusal}");
+    }
+    while run.advance().unwrap() {}
+    let measured = run.row().iter().find(|entry| entry.column.name == "spread").map(|entry| entry.number);
+    let (heights, ratio) = (run.state().unwrap().bodies.iter().map(|body| body.center.y - 1.0), run.viscosity().unwrap());
+    let expected = heights.map(|height| height * height).sum::<f64>() / 2.0;
+    let ratio = ratio.normal.first / ratio.relative();
+    let summary = run.finish().unwrap().summary;
+    assert_eq!(measured, Some(Number::Real(expected)));
+    let found = &summary.quantities["spread"];
+    assert_eq!((found.unit.as_str(), found.last, found.mean), ("area", Some(expected), None));
+    assert_eq!((summary.quantities["stress_ratio"].last, summary.quantities.contains_key("step")), (Some(ratio), false));
+    if world.rank() == 0 {
+        let series = turbid::output::Columns::read(&path.join("series.csv")).unwrap();
+        assert_eq!((series.rows(), series.number("spread", 3), series.number("stress_ratio", 3)), (4, Some(expected), Some(ratio)));
+        std::fs::remove_dir_all(&path).unwrap();
+    }
 }

@@ -12,7 +12,7 @@ use turbid::{
     motion::Simulation,
     output::Summary,
     petsc::Session,
-    run::{BeforeStep, Evaluated, Options, Output, Run, outputs},
+    run::{BeforeStep, Options, Output, Run, View, outputs},
     scene::{
         AxisSection, BodyGroup, ContactModel, ContactSection, FlowModel, Placement, ResolutionSection, Scene, Spacing, Step, TimeSection,
     },
@@ -127,14 +127,14 @@ impl Output<2> for Count {
         Ok(())
     }
 
-    fn write(&mut self, _: &Evaluated<2>) -> Result<()> {
+    fn write(&mut self, _: &View<2>) -> Result<()> {
         self.0.borrow_mut()[2] += 1;
         Ok(())
     }
 
-    fn finish(&mut self, seen: &Evaluated<2>, summary: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, view: &View<2>, summary: &mut Summary) -> Result<Vec<String>> {
         self.0.borrow_mut()[3] += 1;
-        assert_eq!(summary.steps, seen.motion.map_or(0, |motion| motion.state().steps));
+        assert_eq!(summary.steps, view.motion.map_or(0, |motion| motion.state().steps));
         Ok(Vec::new())
     }
 }

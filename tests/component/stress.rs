@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::Test;
 use crate::suspension::{assert_near, couette, free, periodic_cube, solve, suspended};
 use turbid::{
     body::{Motion, skew},
+    contact::{Contact, ContactForce, Partner},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
     mechanics::{FlowSolver, Setup, Solution, Suspension},
@@ -22,6 +23,7 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(two_disks_in_a_periodic_box_have_the_known_normal_stress_difference),
         Test::of(one_body_in_a_box_has_no_normal_stress),
+        Test::of(normal_stresses_of_parts_are_those_of_the_tensor_in_any_units),
         Test::of(pressure_on_bodies_is_what_walls_bear),
         Test::of(torques_and_forces_that_cancel_reach_the_walls),
         Test::of(torques_on_clusters_and_chains_reach_the_walls),
@@ -42,7 +44,7 @@ fn two_disks_in_a_periodic_box_have_the_known_normal_stress_difference(session: 
     let viscosity = viscosity(&suspension, &solution);
     assert_near("viscosity", viscosity.relative(), 1.3457188363, 1e-3);
     assert!((viscosity.normal.first - 0.074669119).abs() < 1e-3, "{viscosity:?}");
-    assert_eq!((viscosity.normal.second, viscosity.normal.contact_pressure), (None, 0.0));
+    assert_eq!((viscosity.normal.second, viscosity.normal_parts.get(Part::Contact)), (None, None));
 }
 
 /// By symmetry, which holds on a grid as well if the body lies in one of its centres of symmetry.
@@ -56,6 +58,42 @@ fn one_body_in_a_box_has_no_normal_stress(session: &Session) {
     let space = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().normal;
     let all = [space.first, space.second.unwrap(), space.pressure.unwrap()];
     assert!(all.iter().all(|stress| stress.abs() < 1e-7), "{space:?}");
+}
+
+/// `N1 = Sigma_xx - Sigma_yy`, `N2 = Sigma_yy - Sigma_zz` and `-tr Sigma / 3`, of stresslets and of a contact, over viscosity, rate and volume.
+fn normal_stresses_of_parts_are_those_of_the_tensor_in_any_units(session: &Session) {
+    let found = [[1.0; 3], [2.5, 0.3, 40.0]].map(|[length, viscosity, rate]| {
+        let centers = [Vector3::new(0.3, 0.4, 0.5), Vector3::new(0.62, 0.66, 0.58)].map(|center| center * length);
+        let spheres = centers.map(|center| suspended(center, 0.2 * length, free(), 3));
+        let cube = periodic_cube(length / 16.0, Drive::Shear(rate), spheres.to_vec());
+        let domain = Domain { size: cube.domain.size * length, ..cube.domain };
+        let (suspension, solution) = solve(session, Setup { domain, viscosity, ..cube });
+        let (apart, force) = (centers[1] - centers[0], 0.7 * viscosity * rate * length * length);
+        let (normal, separation) = (apart.normalize(), apart.norm());
+        let (partner, gap) = (Partner::Body(1), separation - 0.4 * length);
+        let contact = Contact { body: 0, partner, image: [0; 3], sliding: Vector3::zeros(), normal, separation, gap };
+        let stress = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[ContactForce::normal(contact, force)]);
+        let unit = viscosity * rate * length.powi(3);
+        let pushed = normal * normal.transpose() * (-force * separation / unit);
+        let flow: Matrix3<f64> = solution.bodies.iter().map(|body| body.stresslet / unit).sum();
+        (stress.unwrap().unwrap(), pushed, flow)
+    });
+    let first = |stress: &Matrix3<f64>| stress[(0, 0)] - stress[(1, 1)];
+    let second = |stress: &Matrix3<f64>| stress[(1, 1)] - stress[(2, 2)];
+    for (viscosity, pushed, flow) in &found {
+        let [of_contact, of_flow] = [Part::Contact, Part::Hydrodynamic].map(|part| viscosity.normal_parts.get(part).unwrap());
+        for (normal, stress) in [(of_contact, pushed), (of_flow, flow), (viscosity.normal, &viscosity.stress.total())] {
+            assert!((normal.first - first(stress)).abs() < 1e-12, "{normal:?} of {stress}");
+            assert!((normal.second.unwrap() - second(stress)).abs() < 1e-12, "{normal:?} of {stress}");
+        }
+        assert!((of_contact.pressure.unwrap() + pushed.trace() / 3.0).abs() < 1e-12, "{of_contact:?}");
+        let sum = of_contact.pressure.unwrap() + of_flow.pressure.unwrap();
+        assert!((viscosity.normal.pressure.unwrap() - sum).abs() < 1e-12 && sum > 0.01, "{viscosity:?}");
+    }
+    let numbers =
+        found.map(|(viscosity, ..)| [viscosity.normal.first, viscosity.normal.second.unwrap(), viscosity.normal.pressure.unwrap()]);
+    let off = numbers[0].iter().zip(&numbers[1]).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-7 && numbers[0][0].abs() > 1e-2 && numbers[0][1].abs() > 1e-2, "{numbers:?}");
 }
 
 /// The mean normal stress, here 0.024, is the same on every plane between the walls: on a wall it is the pressure there.
@@ -92,7 +130,7 @@ fn torques_and_forces_that_cancel_reach_the_walls(session: &Session) {
             (found.parts.get(Part::Interaction).unwrap() - change).abs() < 1e-12 && unloaded.parts.get(Part::Interaction).is_none(),
             "{found:?}"
         );
-        assert!((found.stress[(0, 1)] - found.relative()).abs() < 1e-12);
+        assert!((found.stress.total()[(0, 1)] - found.relative()).abs() < 1e-12);
     }
     let sphere = |center: [f64; 3], torque: f64| {
         let motion = Motion::Free { force: Vector3::zeros(), torque: skew(&[0.2, -0.1, torque]) };

@@ -175,6 +175,14 @@ fn the_reference_of_scenes_is_that_of_the_program() {
     assert!(String::from_utf8(printed).unwrap() == page, "stale; turbid keys --markdown > docs/scene-reference.md writes it anew");
 }
 
+#[test]
+fn the_columns_of_a_series_are_those_of_the_program() {
+    let printed = String::from_utf8(Command::new(PROGRAM).args(["columns", "--markdown"]).output().unwrap().stdout).unwrap();
+    let page = fs::read_to_string(root().join("docs/output-reference.md")).unwrap();
+    let own = page.split("## `series.csv`").nth(1).unwrap().split("\n## ").next().unwrap();
+    assert!(own.contains(&printed), "the table of series.csv is stale; turbid columns --markdown prints\n{printed}");
+}
+
 /// Short runs that between them have every kind of column and dataset.
 const RUNS: [&str; 7] = [
     "domain = { size = [8.0, 8.0], y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] } }\ncontact.model = \"gluey\"\nlubrication.model = \"pairwise\"\n\

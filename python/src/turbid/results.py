@@ -154,6 +154,15 @@ class Run:
         return self._needed(found, "viscosity: it takes free bodies in a simple shear")
 
     @property
+    def quantities(self) -> pd.DataFrame:
+        """What was measured, a row for each physical column of the series: unit, meaning, the last value, and the mean over its steady part with the
+        half width of its 95 % interval, not a number where there is none."""
+        found: dict[str, Any] = self.summary.get("quantities", {})
+        rows = {name: {"unit": entry["unit"], "meaning": entry["meaning"], "last": entry["last"], **_mean_of(entry["mean"])} for name, entry in found.items()}
+        kinds = {"unit": str, "meaning": str, "last": float, "mean": float, "half_width": float}
+        return pd.DataFrame.from_dict(rows, orient="index", columns=list(kinds)).astype(kinds).rename_axis("quantity")
+
+    @property
     def shear(self) -> Shear | None:
         """The simple shear that the scene imposes; ``None`` where it imposes none."""
         return shear_of(self.scene)
@@ -260,6 +269,13 @@ class Run:
         if found is None:
             raise Missing(f"{self.folder} has no {what}")
         return found
+
+
+def _mean_of(mean: dict[str, Any] | None) -> dict[str, float]:
+    if mean is None:
+        return {"mean": np.nan, "half_width": np.nan}
+    low, high = mean["interval"]
+    return {"mean": mean["value"], "half_width": 0.5 * (high - low)}
 
 
 def open_run(folder: PathLike) -> Run:

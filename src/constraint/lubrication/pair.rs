@@ -40,12 +40,12 @@ pub fn resistance<const D: usize>(sides: [&AxisymmetricBody<D>; 2], gap: f64, li
 type RelativeMotion = [Vec<(usize, f64)>; 2];
 
 /// Work of the tractions of each motion on each, and stress of each.
-struct Answer {
+struct PairForces {
     work: DMatrix<f64>,
     stress: Vec<[f64; 2]>,
 }
 
-fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], distance: f64, channel: Channel, motions: &[RelativeMotion]) -> Answer {
+fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], distance: f64, channel: Channel, motions: &[RelativeMotion]) -> PairForces {
     let modes = sides.map(|side| side.channel(channel));
     let on_first = pair_mobility(D, sides.map(|side| side.modes.radius()), distance, REACH, modes.map(|modes| &modes.members[..]));
     let areas = sides.map(|side| side.modes.force_factor());
@@ -61,7 +61,7 @@ fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], distance: f64, channe
     let found = [answered - carried * &second, second];
     let work = [0, 1].map(|side| wanted[side].transpose() * &found[side] * areas[side]);
     let stress_of = |column: usize| [0, 1].map(|side| modes[side].stress(found[side].column(column).iter().copied()));
-    Answer { work: &work[0] + &work[1], stress: (0..motions.len()).map(stress_of).collect() }
+    PairForces { work: &work[0] + &work[1], stress: (0..motions.len()).map(stress_of).collect() }
 }
 
 #[cfg(test)]

@@ -15,10 +15,10 @@ pub struct Pattern {
 }
 
 struct PairEnd {
-    families: Vec<Placed>,
+    families: Vec<PlacedBlock>,
 }
 
-struct Placed {
+struct PlacedBlock {
     family: Degree,
     /// For each mode, where it stands in the frame.
     slots: Vec<usize>,
@@ -135,13 +135,13 @@ impl PairEnd {
             if !second {
                 family.parities.fill(1.0);
             }
-            Placed { slots: family.modes.iter().map(|&mode| slots[mode]).collect(), family }
+            PlacedBlock { slots: family.modes.iter().map(|&mode| slots[mode]).collect(), family }
         };
         PairEnd { families: families.into_iter().map(place).collect() }
     }
 
     fn turn(&self, turns: &[f32], wanted: &[f64], seen: &mut [f64]) {
-        for Placed { family, slots } in &self.families {
+        for PlacedBlock { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
             for ((slot, flip), row) in slots.iter().zip(&family.parities).zip(rows) {
                 let sum: f64 = family.modes.iter().zip(row).map(|(&mode, &entry)| wanted[mode] * f64::from(entry)).sum();
@@ -151,7 +151,7 @@ impl PairEnd {
     }
 
     fn turn_back(&self, turns: &[f32], answer: &[f64], found: &mut [f64]) {
-        for Placed { family, slots } in &self.families {
+        for PlacedBlock { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
             for ((slot, flip), row) in slots.iter().zip(&family.parities).zip(rows) {
                 let value = flip * answer[*slot];

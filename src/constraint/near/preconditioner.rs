@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-use super::table::{Given, PairTables, Table};
+use super::table::{Given, PairTable, PairTables};
 use crate::{
     body::skew,
     constraint::{MultiplierLayout, Neighbourhood},
@@ -34,7 +34,7 @@ pub struct PairPreconditioner {
 
 /// The body with the larger order, or else radius, is the second.
 struct NearPair {
-    table: Rc<Table>,
+    table: Rc<PairTable>,
     bodies: [usize; 2],
     /// From the first to the second.
     separation: [f64; 3],

@@ -36,7 +36,7 @@ pub enum Given {
 pub struct PairTables<const D: usize> {
     /// What the corrections are for.
     pub given: Given,
-    tables: RefCell<BTreeMap<Key, Rc<Table>>>,
+    tables: RefCell<BTreeMap<Key, Rc<PairTable>>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +46,7 @@ struct Key {
 }
 
 /// The corrections of one combination of bodies.
-pub struct Table {
+pub struct PairTable {
     /// How the multipliers are arranged.
     pub pattern: Rc<Pattern>,
     contact: f64,
@@ -64,14 +64,14 @@ impl<const D: usize> PairTables<D> {
     }
 
     /// The table of two bodies of given orders and radii.
-    pub fn of(&self, orders: [usize; 2], radii: [f64; 2]) -> Rc<Table> {
+    pub fn of(&self, orders: [usize; 2], radii: [f64; 2]) -> Rc<PairTable> {
         let key = Key { orders, ratio: ((radii[1] / radii[0]).log2() * STEPS_PER_OCTAVE).round() as i32 };
-        self.tables.borrow_mut().entry(key).or_insert_with(|| Rc::new(Table::new::<D>(key, self.given))).clone()
+        self.tables.borrow_mut().entry(key).or_insert_with(|| Rc::new(PairTable::new::<D>(key, self.given))).clone()
     }
 }
 
-impl Table {
-    fn new<const D: usize>(key: Key, given: Given) -> Table {
+impl PairTable {
+    fn new<const D: usize>(key: Key, given: Given) -> PairTable {
         let second = (f64::from(key.ratio) / STEPS_PER_OCTAVE).exp2();
         let sides = [PairSide::<D>::new(1.0, key.orders[0]), PairSide::new(second, key.orders[1])];
         let equal = key.ratio == 0 && key.orders[0] == key.orders[1];
@@ -81,7 +81,7 @@ impl Table {
         let range = [last, (1.0 / contact - last) / (NODES - 1) as f64];
         let arrangement = pattern.clone();
         let correct = Box::new(move |distance| corrections(&sides, given, &arrangement, distance));
-        Table { pattern, contact, range, nodes: [const { OnceCell::new() }; NODES], correct }
+        PairTable { pattern, contact, range, nodes: [const { OnceCell::new() }; NODES], correct }
     }
 
     /// Appends the correction for a gap, where the first body has the given radius.

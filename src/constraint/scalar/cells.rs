@@ -4,8 +4,8 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     envelope::Envelope,
+    graph::{CellGraph, Edge, filled_parts},
     inclusion::{Inclusion, InclusionBlocks},
-    links::{Link, LinkedCells, filled_parts},
 };
 use crate::{
     constraint::{
@@ -31,13 +31,13 @@ struct Cells<const D: usize> {
     compliance: Option<Envelope>,
 }
 
-/// The Laplacian of the links between cells alone.
-struct Laplacian(Vec<Link>);
+/// The Laplacian of the edges between cells alone.
+struct Laplacian(Vec<Edge>);
 
 impl FreeInverse for Laplacian {
     fn apply(&self, input: &[f64], output: &mut [f64]) {
         output.fill(0.0);
-        for &Link { cells: [one, two], weight } in &self.0 {
+        for &Edge { cells: [one, two], weight } in &self.0 {
             let flux = weight * (input[one] - input[two]);
             output[one] += flux;
             output[two] -= flux;
@@ -45,13 +45,13 @@ impl FreeInverse for Laplacian {
     }
 }
 
-/// The blocks of an inclusion from its cells, E, and the links whose Laplacian stands for the inverse.
+/// The blocks of an inclusion from its cells, E, and the edges whose Laplacian stands for the inverse.
 pub fn blocks<const D: usize>(
     grid: &Grid<D>,
     ball: &Ball<D>,
-    cells: LinkedCells<D>,
+    cells: CellGraph<D>,
     compliance: Option<Envelope>,
-    links: Vec<Link>,
+    edges: Vec<Edge>,
 ) -> InclusionBlocks<D> {
     let (unknowns, parts) = filled_parts(grid, ball);
     let volume = grid.spacing().product();
@@ -62,9 +62,9 @@ pub fn blocks<const D: usize>(
         reaction: ball.radius * ball.radius / D as f64,
         source: Rows::new(unknowns, parts),
         by_source: Vec::new(),
-        alone: Box::new(Laplacian(links)),
+        alone: Box::new(Laplacian(edges)),
     };
-    let LinkedCells { unknowns, offsets, .. } = cells;
+    let CellGraph { unknowns, offsets, .. } = cells;
     InclusionBlocks { body: Box::new(Cells { unknowns, offsets, volume, places: Default::default(), compliance }), inclusion }
 }
 

@@ -9,7 +9,7 @@
 //! the box, take 13, 17, 23 and 31 iterations; the multipliers 20, 21, 21 and 22, with a multigrid cycle in the place of the inverse.
 //! A hierarchy of `P^T A P` itself would be another one for each place of the inclusions.
 
-use super::{cells::blocks, inclusion::InclusionBlocks, links::LinkedCells};
+use super::{cells::blocks, graph::CellGraph, inclusion::InclusionBlocks};
 use crate::{
     constraint::{
         adjoint::Distributed,
@@ -27,9 +27,9 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for Distributed {
 
     fn assemble(&self, grid: &Grid<D>, bodies: &[Surrounded<D>], _memory: Vec<Vec<f32>>) -> Vec<InclusionBlocks<D>> {
         let of = |ball: Ball<D>| {
-            let covered = LinkedCells::covered(grid, &ball);
-            let links = covered.links.clone();
-            blocks(grid, &ball, covered, None, links)
+            let covered = CellGraph::covered(grid, &ball);
+            let edges = covered.edges.clone();
+            blocks(grid, &ball, covered, None, edges)
         };
         bodies.iter().map(|body| of(body.placed.ball())).collect()
     }
@@ -39,7 +39,7 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for Distributed {
     }
 
     fn count(&self, grid: &Grid<D>, ball: &Ball<D>, _modes: usize) -> usize {
-        LinkedCells::covered(grid, ball).unknowns.len()
+        CellGraph::covered(grid, ball).unknowns.len()
     }
 
     fn on_surfaces(&self) -> bool {

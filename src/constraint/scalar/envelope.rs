@@ -1,31 +1,31 @@
-//! The potential of sources in one inclusion, which nothing but its own links holds together.
+//! The potential of sources in one inclusion, which nothing but its own edges holds together.
 
-use super::links::Link;
+use super::graph::Edge;
 use crate::linalg::Skyline;
 
-/// Cholesky factors of the Laplacian of its cells, of which one is held: the one that links hold best, because what rounding makes of the
-/// sum of all sources leaves through it, and the others rise by that over its links.
+/// Cholesky factors of the Laplacian of its cells, of which one is held: the one that edges hold best, because what rounding makes of the
+/// sum of all sources leaves through it, and the others rise by that over its edges.
 pub struct Envelope {
     factors: Skyline,
     held: usize,
 }
 
 impl Envelope {
-    /// Factors the Laplacian of cells that their links connect.
-    pub fn new(cells: usize, links: &[Link]) -> Envelope {
-        let held = best_held(cells, links);
-        let rows = |link: &Link| link.cells.map(|cell| row_of(cell, held));
+    /// Factors the Laplacian of cells that their edges connect.
+    pub fn new(cells: usize, edges: &[Edge]) -> Envelope {
+        let held = best_held(cells, edges);
+        let rows = |edge: &Edge| edge.cells.map(|cell| row_of(cell, held));
         let mut firsts: Vec<usize> = (0..cells - 1).collect();
-        for link in links {
-            if let [Some(one), Some(two)] = rows(link) {
+        for edge in edges {
+            if let [Some(one), Some(two)] = rows(edge) {
                 firsts[one.max(two)] = firsts[one.max(two)].min(one.min(two));
             }
         }
         let mut laplacian = Skyline::new(firsts);
-        for link in links {
-            rows(link).into_iter().flatten().for_each(|row| laplacian.add(row, row, link.weight));
-            if let [Some(one), Some(two)] = rows(link) {
-                laplacian.add(one.max(two), one.min(two), -link.weight);
+        for edge in edges {
+            rows(edge).into_iter().flatten().for_each(|row| laplacian.add(row, row, edge.weight));
+            if let [Some(one), Some(two)] = rows(edge) {
+                laplacian.add(one.max(two), one.min(two), -edge.weight);
             }
         }
         Envelope { factors: laplacian.factor(), held }
@@ -43,10 +43,10 @@ impl Envelope {
     }
 }
 
-/// The cell whose links weigh most.
-fn best_held(cells: usize, links: &[Link]) -> usize {
+/// The cell whose edges weigh most.
+fn best_held(cells: usize, edges: &[Edge]) -> usize {
     let mut weights = vec![0.0; cells];
-    links.iter().for_each(|link| link.cells.iter().for_each(|&cell| weights[cell] += link.weight));
+    edges.iter().for_each(|edge| edge.cells.iter().for_each(|&cell| weights[cell] += edge.weight));
     (0..cells).max_by(|&one, &two| weights[one].total_cmp(&weights[two])).unwrap_or(0)
 }
 
@@ -61,11 +61,11 @@ mod tests {
 
     #[test]
     fn the_laplacian_of_the_potential_is_the_source() {
-        let link = |one: usize, two: usize| Link { cells: [one, two], weight: 1.0 + (one * two) as f64 };
-        let links: Vec<Link> = (0..3)
+        let edge = |one: usize, two: usize| Edge { cells: [one, two], weight: 1.0 + (one * two) as f64 };
+        let edges: Vec<Edge> = (0..3)
             .flat_map(|x| (0..4).map(move |y| 4 * x + y))
             .flat_map(|cell| {
-                let (up, right) = ((cell % 4 < 3).then(|| link(cell + 1, cell)), (cell < 8).then(|| link(cell, cell + 4)));
+                let (up, right) = ((cell % 4 < 3).then(|| edge(cell + 1, cell)), (cell < 8).then(|| edge(cell, cell + 4)));
                 up.into_iter().chain(right)
             })
             .collect();
@@ -73,9 +73,9 @@ mod tests {
         let mean = sources.iter().sum::<f64>() / 12.0;
         sources.iter_mut().for_each(|source| *source -= mean);
         let mut potential = vec![0.0; 12];
-        Envelope::new(12, &links).add_potential(&sources, &mut potential);
+        Envelope::new(12, &edges).add_potential(&sources, &mut potential);
         assert!(potential.iter().sum::<f64>().abs() < 1e-13);
-        for &Link { cells: [one, two], weight } in &links {
+        for &Edge { cells: [one, two], weight } in &edges {
             let flux = weight * (potential[one] - potential[two]);
             sources[one] -= flux;
             sources[two] += flux;

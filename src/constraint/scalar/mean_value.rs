@@ -7,8 +7,8 @@
 use std::collections::BTreeSet;
 
 use super::{
+    graph::filled_parts,
     inclusion::{Inclusion, InclusionBlocks},
-    links::filled_parts,
     sharp,
 };
 use crate::{

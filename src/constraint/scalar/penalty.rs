@@ -1,6 +1,6 @@
 //! The penalty method: an inclusion conducts `1/epsilon` times as well as what is around it.
 //!
-//! A link between two centres, of which the inclusion fills the part `theta`, conducts as its two pieces one behind the other do,
+//! A edge between two centres, of which the inclusion fills the part `theta`, conducts as its two pieces one behind the other do,
 //! `k = 1/(1 - theta + epsilon theta)`. (Measured on a disk in the unit square with 64 cells a side: its energy is wrong by 0.02 % so,
 //! by 0.25 % with the arithmetic mean of the conductivities.) With `L` the Laplacian of the excess `k - 1` between the cells of the
 //! inclusion, the sources that it puts there are the multipliers:
@@ -11,15 +11,15 @@
 //!
 //! `L^+` is small where the inclusion is full, and is applied by Cholesky factors of each inclusion; the box never sees it. For the inverse
 //! of `J A^{-1} C + E` stands, one behind the other once more, the Laplacian of `1 - 1/k`. Then the iterations depend neither on the
-//! grid nor on epsilon. Links to walls belong to no inclusion.
+//! grid nor on epsilon. Edges to walls belong to no inclusion.
 
 use nalgebra::SVector;
 
 use super::{
     cells::blocks,
     envelope::Envelope,
+    graph::{CellGraph, Edge},
     inclusion::InclusionBlocks,
-    links::{Link, LinkedCells},
 };
 use crate::{
     constraint::{
@@ -31,7 +31,7 @@ use crate::{
     grid::Grid,
 };
 
-/// Links that an inclusion just touches are filled to this part, so that they hold their cells all the same.
+/// Edges that an inclusion just touches are filled to this part, so that they hold their cells all the same.
 const SMALLEST_PART: f64 = 1e-6;
 
 impl<const D: usize> Method<D, InclusionBlocks<D>> for Penalty {
@@ -49,7 +49,7 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for Penalty {
     }
 
     fn count(&self, grid: &Grid<D>, ball: &Ball<D>, _modes: usize) -> usize {
-        LinkedCells::touched(grid, ball).unknowns.len()
+        CellGraph::touched(grid, ball).unknowns.len()
     }
 
     fn on_surfaces(&self) -> bool {
@@ -59,14 +59,14 @@ impl<const D: usize> Method<D, InclusionBlocks<D>> for Penalty {
 
 /// The blocks of an inclusion that conducts `1/epsilon`.
 fn assemble<const D: usize>(grid: &Grid<D>, ball: &Ball<D>, epsilon: f64) -> InclusionBlocks<D> {
-    let touched = LinkedCells::touched(grid, ball);
+    let touched = CellGraph::touched(grid, ball);
     let round = Ball { center: SVector::zeros(), radius: ball.radius };
     let excess = touched.middles.iter().map(|middle| (1.0 - epsilon) * fraction(&round, middle, &grid.spacing()).max(SMALLEST_PART));
-    let links: Vec<Link> = touched.links.iter().zip(excess).map(|(link, part)| Link { weight: link.weight * part, ..*link }).collect();
-    let conducting = touched.links.iter().zip(&links).map(|(whole, link)| {
-        let part = link.weight / whole.weight;
-        Link { weight: link.weight / (1.0 - part), ..*link }
+    let edges: Vec<Edge> = touched.edges.iter().zip(excess).map(|(edge, part)| Edge { weight: edge.weight * part, ..*edge }).collect();
+    let conducting = touched.edges.iter().zip(&edges).map(|(whole, edge)| {
+        let part = edge.weight / whole.weight;
+        Edge { weight: edge.weight / (1.0 - part), ..*edge }
     });
-    let compliance = Envelope::new(touched.unknowns.len(), &conducting.collect::<Vec<Link>>());
-    blocks(grid, ball, touched, Some(compliance), links)
+    let compliance = Envelope::new(touched.unknowns.len(), &conducting.collect::<Vec<Edge>>());
+    blocks(grid, ball, touched, Some(compliance), edges)
 }

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     constraint::{
         dense::LocalBlock,
-        interpolant::{Interpolant, NodeBox, PointWeights, Run, row_offsets, row_weights},
+        interpolant::{Interpolant, NodeBox, NodeRun, PointWeights, row_offsets, row_weights},
         placed::{Neighbour, Placed},
         unknowns::Unknowns,
     },
@@ -186,14 +186,14 @@ fn met<const D: usize>(nodes: &JumpNodes<D>, corners: &[u32]) -> Vec<bool> {
 }
 
 /// What is to be fetched: in each row of nodes, from the first to the last that is met.
-fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> Vec<Run> {
+fn runs<const D: usize>(grid: &Grid<D>, nodes: &JumpNodes<D>, met: &[bool]) -> Vec<NodeRun> {
     let narrowed = |row: Range<usize>| {
         let first = row.clone().find(|&place| met[place]).unwrap_or(row.end);
         first..row.rev().find(|&place| met[place]).map_or(first, |last| last + 1)
     };
     let mut runs = Vec::new();
     nodes.runs(grid, narrowed, |start, length, unknown| {
-        runs.push(Run { start: start as u32, length: length as u32, unknown: index(unknown), place: 0 });
+        runs.push(NodeRun { start: start as u32, length: length as u32, unknown: index(unknown), place: 0 });
     });
     runs.shrink_to_fit();
     runs

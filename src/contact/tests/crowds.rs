@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 
 /// Balls of several sizes at random, that do not overlap; many of the tries fail.
-pub(super) fn crowd<const D: usize>(domain: Domain<D>, tries: usize, speed: f64, seed: u64) -> Scene<D> {
+pub(super) fn dense_packing<const D: usize>(domain: Domain<D>, tries: usize, speed: f64, seed: u64) -> Scene<D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut balls: Vec<Ball<D>> = Vec::new();
     for _ in 0..tries {
@@ -40,7 +40,7 @@ fn assert_sound<const D: usize>(scene: &Scene<D>, contacts: usize) {
 fn disks_that_step_far_never_overlap_and_never_gain_energy() {
     for seed in 0..30 {
         for periodic in [[true, true], [true, false], [false, false]] {
-            assert_sound(&crowd(domain([20.0, 14.0], periodic), 200, 8.0, seed), 10);
+            assert_sound(&dense_packing(domain([20.0, 14.0], periodic), 200, 8.0, seed), 10);
         }
     }
 }
@@ -49,7 +49,7 @@ fn disks_that_step_far_never_overlap_and_never_gain_energy() {
 fn spheres_that_step_far_never_overlap_and_never_gain_energy() {
     for seed in 0..10 {
         for periodic in [[true; 3], [true, false, true], [false; 3]] {
-            assert_sound(&crowd(domain([8.0, 9.0, 7.0], periodic), 300, 6.0, seed), 10);
+            assert_sound(&dense_packing(domain([8.0, 9.0, 7.0], periodic), 300, 6.0, seed), 10);
         }
     }
 }
@@ -60,7 +60,7 @@ fn disks_whose_images_slide_never_overlap() {
     for (seed, speed) in (0..30).map(|seed| (seed, [14.0, -9.0, 3.0][seed as usize % 3])) {
         let mut domain = domain([20.0, 14.0], [true, true]);
         domain.axes[1] = Axis::Sheared(LeesEdwards { start: 0.7 * seed as f64, speed, time: 0.25 });
-        let mut scene = crowd(domain, 200, 4.0, seed);
+        let mut scene = dense_packing(domain, 200, 4.0, seed);
         if seed % 2 == 0 {
             let carried = scene.balls.iter().map(|ball| scene.domain.carried(&ball.center));
             scene.velocities.iter_mut().zip(carried).for_each(|(velocity, carried)| *velocity += carried);
@@ -74,7 +74,7 @@ fn disks_whose_images_slide_never_overlap() {
 
 #[test]
 fn momentum_of_a_periodic_crowd_is_kept() {
-    let scene = crowd(domain([20.0, 14.0], [true, true]), 200, 5.0, 3);
+    let scene = dense_packing(domain([20.0, 14.0], [true, true]), 200, 5.0, 3);
     let momentum = |velocities: &[Vector2<f64>]| scene.weights.iter().zip(velocities).map(|(weight, velocity)| velocity * *weight).sum();
     let before: Vector2<f64> = momentum(&scene.velocities);
     let after: Vector2<f64> = momentum(&scene.solve().unwrap().velocities);
@@ -83,7 +83,7 @@ fn momentum_of_a_periodic_crowd_is_kept() {
 
 #[test]
 fn units_do_not_matter() {
-    let scene = crowd(domain([20.0, 14.0], [true, false]), 200, 3.0, 5);
+    let scene = dense_packing(domain([20.0, 14.0], [true, false]), 200, 3.0, 5);
     let expected = scene.solve().unwrap();
     for (length, time, weight) in [(1e-9, 1.0, 1.0), (1e9, 1.0, 1.0), (1.0, 1e-9, 1.0), (1.0, 1e9, 1.0), (1.0, 1.0, 1e-9), (1e9, 1e-9, 1e9)]
     {

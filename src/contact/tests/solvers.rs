@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::{
-    crowds::{crowd, crystal},
+    crowds::{crystal, dense_packing},
     *,
 };
 use crate::contact::{ContactForce, Memory, Partner, Solver, island::solve_by};
@@ -31,9 +31,9 @@ fn difference<const D: usize>(scene: &Scene<D>) -> f64 {
 #[test]
 fn random_crowds_move_alike_by_both_solvers() {
     for seed in 0..8 {
-        let found = difference(&crowd(domain([20.0, 14.0], [true, false]), 200, 6.0, seed));
+        let found = difference(&dense_packing(domain([20.0, 14.0], [true, false]), 200, 6.0, seed));
         assert!(found < 1e-8, "disks: {found:e}");
-        let found = difference(&crowd(domain([8.0, 9.0, 7.0], [false; 3]), 300, 5.0, seed));
+        let found = difference(&dense_packing(domain([8.0, 9.0, 7.0], [false; 3]), 300, 5.0, seed));
         assert!(found < 1e-8, "spheres: {found:e}");
     }
 }
@@ -41,7 +41,7 @@ fn random_crowds_move_alike_by_both_solvers() {
 #[test]
 fn heavy_and_light_bodies_move_alike_by_both_solvers() {
     for seed in 0..8 {
-        let mut scene = crowd(domain([20.0, 14.0], [true, false]), 200, 6.0, seed);
+        let mut scene = dense_packing(domain([20.0, 14.0], [true, false]), 200, 6.0, seed);
         scene.weights.iter_mut().step_by(2).for_each(|weight| *weight *= 1e3);
         let found = difference(&scene);
         assert!(found < 1e-8, "{found:e}");
@@ -81,7 +81,7 @@ fn a_pile_at_rest_needs_no_iteration_from_its_own_forces() {
 #[test]
 fn wrong_forces_to_start_from_lead_to_the_same_velocities() {
     for seed in 0..6 {
-        let scene = crowd(domain([20.0, 14.0], [true, false]), 200, 6.0, seed);
+        let scene = dense_packing(domain([20.0, 14.0], [true, false]), 200, 6.0, seed);
         let first = scene.solve_with(Solver::Sparse, &Memory::default()).unwrap();
         for size in [1e-3, 1.0, 1e3] {
             let wrong = |(place, force): (usize, &ContactForce<2>)| (force.contact.identity(), size * (place * 7919 % 13) as f64);
@@ -121,7 +121,7 @@ proptest! {
     /// Impacts without walls keep momentum and create no energy.
     #[test]
     fn random_impacts_keep_momentum_and_create_no_energy(seed in 0u64..1000, speed in 0.1f64..10.0) {
-        let scene = crowd(domain([16.0, 12.0], [true, true]), 120, speed, seed);
+        let scene = dense_packing(domain([16.0, 12.0], [true, true]), 120, speed, seed);
         let momentum = |velocities: &[Vector2<f64>]| -> Vector2<f64> { scene.weights.iter().zip(velocities).map(|(weight, velocity)| velocity * *weight).sum() };
         for solver in [Solver::General, Solver::Sparse] {
             let velocities = scene.solve_with(solver, &Memory::default()).unwrap().velocities;

@@ -13,8 +13,8 @@ use super::{
     plane::{edge_lengths, flat, motions, plane, problem, rigid, spatial, state},
 };
 use crate::{
-    constraint::fitted::{Load, Loads, Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     error::{Error, Result},
+    fitted::{Load, Loads, Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     flow::Drive,
     geometry::{Ball, Domain},
     grid::Grid,

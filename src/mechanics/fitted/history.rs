@@ -4,8 +4,8 @@ use nalgebra::Vector2;
 
 use super::{interpolation::velocity, plane::rigid};
 use crate::{
-    constraint::fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, Projection, Rigid},
     error::Result,
+    fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, Projection, Rigid},
     mechanics::{
         MeshLevel, Setup, SuspendedBody,
         unsteady::{StepWeights, inertia},

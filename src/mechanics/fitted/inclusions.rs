@@ -9,8 +9,8 @@ use super::{
     plane::{flat, flat_disk, plane},
 };
 use crate::{
-    constraint::fitted::{Locator, Mesh, Place, ScalarNumbering, Spot, System, generate, second_order},
     error::{Error, Result},
+    fitted::{Locator, Mesh, Place, ScalarNumbering, Spot, System, generate, second_order},
     geometry::Ball,
     grid::{Grid, operators::signed},
     mechanics::{Cost, InclusionState, ResidualMonitor, ScalarSetup, ScalarSolution},

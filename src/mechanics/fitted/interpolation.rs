@@ -3,8 +3,8 @@
 use nalgebra::Vector2;
 
 use crate::{
-    constraint::fitted::{Locator, Rigid, Spot, StokesFlow, StokesProblem, first_order, second_order},
     error::{Error, Result},
+    fitted::{Locator, Rigid, Spot, StokesFlow, StokesProblem, first_order, second_order},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
 };

@@ -4,8 +4,8 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use crate::{
     body::{Motion, Twist, components, skew},
-    constraint::fitted::{DiskMotion, EdgeLengths, Load, Mesh, MeshInertia, Rigid, StokesNumbering, StokesProblem, generate},
     error::Result,
+    fitted::{DiskMotion, EdgeLengths, Load, Mesh, MeshInertia, Rigid, StokesNumbering, StokesProblem, generate},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
     mechanics::{BodyState, Setup},

@@ -45,16 +45,16 @@ impl Walk {
 }
 
 /// Fields and elements on the way, numbered where they have no name.
-struct Parts<'a> {
+struct Fields<'a> {
     walk: &'a mut Walk,
     passed: usize,
     /// The name of the next entry of a map.
     key: Option<String>,
 }
 
-impl<'a> Parts<'a> {
-    fn of(walk: &'a mut Walk) -> Parts<'a> {
-        Parts { walk, passed: 0, key: None }
+impl<'a> Fields<'a> {
+    fn of(walk: &'a mut Walk) -> Fields<'a> {
+        Fields { walk, passed: 0, key: None }
     }
 
     fn next(&mut self, value: &(impl Serialize + ?Sized)) -> Outcome {
@@ -69,7 +69,7 @@ macro_rules! plain {
 }
 
 macro_rules! numbered {
-    ($($part:ident: $name:ident),*) => { $(impl $part for Parts<'_> {
+    ($($part:ident: $name:ident),*) => { $(impl $part for Fields<'_> {
         type Ok = ();
         type Error = serde_json::Error;
         fn $name<T: Serialize + ?Sized>(&mut self, value: &T) -> Outcome { self.next(value) }
@@ -78,7 +78,7 @@ macro_rules! numbered {
 }
 
 macro_rules! named {
-    ($($part:ident),*) => { $(impl $part for Parts<'_> {
+    ($($part:ident),*) => { $(impl $part for Fields<'_> {
         type Ok = ();
         type Error = serde_json::Error;
         fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Outcome { self.walk.step(name.into(), value) }
@@ -90,7 +90,7 @@ numbered!(SerializeSeq: serialize_element, SerializeTuple: serialize_element);
 numbered!(SerializeTupleStruct: serialize_field, SerializeTupleVariant: serialize_field);
 named!(SerializeStruct, SerializeStructVariant);
 
-impl SerializeMap for Parts<'_> {
+impl SerializeMap for Fields<'_> {
     type Ok = ();
     type Error = serde_json::Error;
 
@@ -108,18 +108,18 @@ impl SerializeMap for Parts<'_> {
     }
 }
 
-type Begun<'a> = std::result::Result<Parts<'a>, serde_json::Error>;
+type Begun<'a> = std::result::Result<Fields<'a>, serde_json::Error>;
 
 impl<'a> Serializer for &'a mut Walk {
     type Ok = ();
     type Error = serde_json::Error;
-    type SerializeSeq = Parts<'a>;
-    type SerializeTuple = Parts<'a>;
-    type SerializeTupleStruct = Parts<'a>;
-    type SerializeTupleVariant = Parts<'a>;
-    type SerializeMap = Parts<'a>;
-    type SerializeStruct = Parts<'a>;
-    type SerializeStructVariant = Parts<'a>;
+    type SerializeSeq = Fields<'a>;
+    type SerializeTuple = Fields<'a>;
+    type SerializeTupleStruct = Fields<'a>;
+    type SerializeTupleVariant = Fields<'a>;
+    type SerializeMap = Fields<'a>;
+    type SerializeStruct = Fields<'a>;
+    type SerializeStructVariant = Fields<'a>;
 
     plain!(serialize_bool: bool, serialize_i8: i8, serialize_i16: i16, serialize_i32: i32, serialize_i64: i64, serialize_u8: u8);
     plain!(serialize_u16: u16, serialize_u32: u32, serialize_u64: u64, serialize_char: char, serialize_str: &str, serialize_bytes: &[u8]);
@@ -164,31 +164,31 @@ impl<'a> Serializer for &'a mut Walk {
     }
 
     fn serialize_seq(self, _: Option<usize>) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 
     fn serialize_tuple(self, _: usize) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 
     fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 
     fn serialize_tuple_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 
     fn serialize_map(self, _: Option<usize>) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 
     fn serialize_struct(self, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 
     fn serialize_struct_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Begun<'a> {
-        Ok(Parts::of(self))
+        Ok(Fields::of(self))
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) struct Mesh {
 
 /// The contacts of a frame under a law of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Network {
+pub(super) struct ContactNetwork {
     pub count: usize,
     /// What they have besides their columns.
     pub present: Present,
@@ -41,7 +41,7 @@ pub(super) struct Entry {
     pub time: f64,
     pub step: usize,
     pub bodies: usize,
-    pub contacts: Option<Network>,
+    pub contacts: Option<ContactNetwork>,
     pub bonds: usize,
     pub membranes: Option<Membranes>,
     pub mesh: Option<Mesh>,
@@ -58,7 +58,7 @@ impl Entry {
             vorticity: fields.vorticity.is_some(),
         };
         let mesh = frame.fields.as_ref().map(mesh);
-        let contacts = rows.contacts.as_ref().map(|(contacts, present)| Network { count: contacts.total(), present: *present });
+        let contacts = rows.contacts.as_ref().map(|(contacts, present)| ContactNetwork { count: contacts.total(), present: *present });
         let bonds = rows.bonds.as_ref().map_or(0, |ends| ends.total() / 2);
         let membranes = rows.membranes.as_ref().map(|rows| Membranes {
             corners: rows.corners.total(),

@@ -162,7 +162,7 @@ fn add<T: hdf5::H5Type>(list: &hdf5::Dataset, values: Vec<T>) -> hdf5::Result<()
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::output::frames::entry::{Membranes, Mesh, Network};
+    use crate::output::frames::entry::{ContactNetwork, Membranes, Mesh};
 
     fn entries(count: usize) -> Vec<Entry> {
         let mesh = Mesh { cells: vec![8, 6], spacing: vec![0.25, 0.5], vorticity: true };
@@ -171,7 +171,7 @@ mod tests {
             time: number as f64 / 8.0,
             step: 2 * number,
             bodies: 4,
-            contacts: Some(Network { count: number % 3, present: [false, true] }),
+            contacts: Some(ContactNetwork { count: number % 3, present: [false, true] }),
             bonds: number,
             membranes: Some(Membranes { corners: 4, faces: 1, topology: 6 }),
             mesh: Some(mesh.clone()),

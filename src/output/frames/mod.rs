@@ -34,7 +34,7 @@ use super::files::parallel_file::ParallelFile;
 use crate::{error::Result, parallel::World};
 use entry::{Entry, path_in_run};
 use index::Index;
-use recovery::Kept;
+use recovery::KeptFrames;
 
 /// The frames of a run. All functions are collective.
 pub struct Frames {
@@ -63,7 +63,7 @@ impl Frames {
     }
 
     fn keep(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
-        let Kept { entries, index, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time))?;
+        let KeptFrames { entries, index, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time))?;
         let next = world.gather(&[next as u64])[0] as usize;
         Ok((Frames { folder: folder.to_owned(), next, entries, index }, notes))
     }

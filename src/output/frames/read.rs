@@ -9,7 +9,7 @@ use super::{
     body::COLUMNS,
     bond,
     contact::{self, FrameContact},
-    entry::{Entry, Membranes, Mesh, Network},
+    entry::{ContactNetwork, Entry, Membranes, Mesh},
     index::frame_files,
     membrane,
     store::{FORMAT, OFFSET, VERSION, VORTICITY},
@@ -104,7 +104,7 @@ pub(super) fn entry(number: usize, path: &Path) -> std::result::Result<Entry, St
         let network = |file: &File| {
             let group = file.group("contacts")?;
             let present = contact::OPTIONAL.map(|(name, _)| group.link_exists(name));
-            Ok::<_, hdf5::Error>(Network { count: slab::get::<u64>(file, "contact_count")? as usize, present })
+            Ok::<_, hdf5::Error>(ContactNetwork { count: slab::get::<u64>(file, "contact_count")? as usize, present })
         };
         let contacts = file.link_exists("contacts").then(|| network(file)).transpose()?;
         let cells = || Ok::<_, hdf5::Error>(list::<u64>(file, "cells")?.into_iter().map(|cells| cells as usize).collect());
@@ -136,7 +136,7 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
         return Err(format!("its box has {} dimensions, not {D}", size.len()).into());
     }
     let count = slab::get::<u64>(file, "body_count")? as usize;
-    let group = Columns { file, group: "bodies", count };
+    let group = FrameColumns { file, group: "bodies", count };
     let columns = group.all::<f64, _>(&COLUMNS)?;
     let [contacts] = group.all::<i32, 1>(&[("contacts", 1)])?;
     let body = |body: usize| FrameBody::from_columns(body, entry_of(&columns, &COLUMNS, body), contacts[body] as usize);
@@ -149,7 +149,7 @@ fn bodies<const D: usize>(file: &File) -> hdf5::Result<StoredFrame<D>> {
 fn chains(file: &File) -> hdf5::Result<Vec<Option<usize>>> {
     let mut chains = vec![None; slab::get::<u64>(file, "body_count")? as usize];
     if file.link_exists("bonds") {
-        let group = Columns { file, group: "bonds", count: 2 * slab::get::<u64>(file, "bond_count")? as usize };
+        let group = FrameColumns { file, group: "bonds", count: 2 * slab::get::<u64>(file, "bond_count")? as usize };
         let [bodies, of] = group.all::<i32, _>(&bond::COUNTS)?;
         for (body, chain) in bodies.into_iter().zip(of) {
             let place = chains.get_mut(body as usize).ok_or("its bonds name a body that is not there")?;
@@ -178,7 +178,7 @@ fn cut<const D: usize>(dataset: &Dataset, plane: Plane) -> hdf5::Result<FlowCut>
 }
 
 fn network<const D: usize>(file: &File) -> hdf5::Result<Vec<FrameContact<D>>> {
-    let group = Columns { file, group: "contacts", count: slab::get::<u64>(file, "contact_count")? as usize };
+    let group = FrameColumns { file, group: "contacts", count: slab::get::<u64>(file, "contact_count")? as usize };
     let (columns, counts) = (group.all::<f64, _>(&contact::COLUMNS)?, group.all::<i32, _>(&contact::COUNTS)?);
     let stored = file.group("contacts")?;
     let optional = |column: (&'static str, usize)| {
@@ -200,13 +200,13 @@ fn membranes(file: &File) -> hdf5::Result<Membranes> {
 }
 
 /// A group of columns of so many entries.
-pub(super) struct Columns<'a> {
+pub(super) struct FrameColumns<'a> {
     pub file: &'a File,
     pub group: &'a str,
     pub count: usize,
 }
 
-impl Columns<'_> {
+impl FrameColumns<'_> {
     /// The numbers of these columns, each with its width.
     pub fn all<T: H5Type + Copy + Into<f64>, const C: usize>(&self, names: &[(&str, usize); C]) -> hdf5::Result<[Vec<T>; C]> {
         let mut columns = std::array::from_fn(|_| Vec::new());

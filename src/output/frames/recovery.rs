@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 
 /// The frames that stay.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct KeptFrames {
     /// In the order of time.
     pub entries: Vec<Entry>,
     /// Which lists them.
@@ -40,12 +40,12 @@ enum Found {
 }
 
 /// Removes the frames after `time`, last first, and lists the others anew.
-pub(super) fn keep_until(folder: &Path, time: f64) -> Result<Kept> {
+pub(super) fn keep_until(folder: &Path, time: f64) -> Result<KeptFrames> {
     let frames = folder.join(FOLDER);
     fs::create_dir_all(&frames).map_err(|source| Error::File { path: frames, source })?;
     index::remove_halves(folder)?;
     let (listed, note) = if time == f64::NEG_INFINITY { (Vec::new(), None) } else { listed(folder) };
-    let mut kept = Kept { notes: note.into_iter().collect(), ..Kept::default() };
+    let mut kept = KeptFrames { notes: note.into_iter().collect(), ..KeptFrames::default() };
     let mut there = BTreeSet::new();
     for (number, path) in index::frame_files(folder)?.into_iter().rev() {
         match find(number, &path, time, &listed) {

@@ -103,7 +103,7 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) ->
 }
 
 /// A column of a group.
-struct Column {
+struct DatasetColumn {
     name: &'static str,
     /// Where its numbers are in a row; empty for the place of the row itself among all.
     place: Range<usize>,
@@ -111,24 +111,24 @@ struct Column {
     whole: bool,
 }
 
-fn column(name: &'static str, place: usize, width: usize, whole: bool) -> Column {
-    Column { name, place: place..place + width, whole }
+fn column(name: &'static str, place: usize, width: usize, whole: bool) -> DatasetColumn {
+    DatasetColumn { name, place: place..place + width, whole }
 }
 
 /// Columns of a row from a place on, one after the other.
-fn columns(names: &[(&'static str, usize)], start: usize, whole: bool) -> Vec<Column> {
+fn columns(names: &[(&'static str, usize)], start: usize, whole: bool) -> Vec<DatasetColumn> {
     let place = |place: &mut usize, &(name, width): &(&'static str, usize)| {
         Some(column(name, std::mem::replace(place, *place + width), width, whole))
     };
     names.iter().scan(start, place).collect()
 }
 
-fn body_columns() -> Vec<Column> {
+fn body_columns() -> Vec<DatasetColumn> {
     let counts = body::COUNTS.into_iter().zip([0, body::WIDTH - 1]).map(|(name, place)| column(name, place, 1, true));
     columns(&body::COLUMNS, 1, false).into_iter().chain(counts).collect()
 }
 
-fn contact_columns(present: contact::Present) -> Vec<Column> {
+fn contact_columns(present: contact::Present) -> Vec<DatasetColumn> {
     let counts = columns(&contact::COUNTS, 0, true);
     let start = counts.last().map_or(0, |count| count.place.end);
     let always = columns(&contact::COLUMNS, start, false);
@@ -137,22 +137,22 @@ fn contact_columns(present: contact::Present) -> Vec<Column> {
     always.into_iter().chain(optional.map(|(column, _)| column)).chain(counts).collect()
 }
 
-fn bond_columns() -> Vec<Column> {
+fn bond_columns() -> Vec<DatasetColumn> {
     let counts = columns(&bond::COUNTS, 1, true);
     let start = counts.last().map_or(0, |count| count.place.end);
     let number = column(bond::NODE, 0, 0, true);
     columns(&bond::COLUMNS, start, false).into_iter().chain(counts).chain([number]).collect()
 }
 
-fn membrane_columns() -> Vec<Column> {
+fn membrane_columns() -> Vec<DatasetColumn> {
     let counts = columns(&membrane::COUNTS, 0, true);
     let start = counts.last().map_or(0, |count| count.place.end);
     counts.into_iter().chain(columns(&membrane::COLUMNS, start, false)).collect()
 }
 
 /// Stores a group of columns, of which each rank writes its rows.
-fn store_group(file: &ParallelFile, name: &str, rows: &Rows, columns: &[Column]) -> Result<()> {
-    let create = |group: &Group, column: &Column, sum: u64| {
+fn store_group(file: &ParallelFile, name: &str, rows: &Rows, columns: &[DatasetColumn]) -> Result<()> {
+    let create = |group: &Group, column: &DatasetColumn, sum: u64| {
         let width = column.place.len();
         let shape = if width <= 1 { vec![rows.total()] } else { vec![rows.total(), width] };
         let dataset = match column.whole {
@@ -174,14 +174,14 @@ fn store_group(file: &ParallelFile, name: &str, rows: &Rows, columns: &[Column])
 }
 
 /// The checksum of this rank's rows of a column.
-fn column_checksum(rows: &Rows, column: &Column) -> u64 {
+fn column_checksum(rows: &Rows, column: &DatasetColumn) -> u64 {
     let (start, width) = (rows.places().start, column.place.len());
     let numbered = || rows.places().map(|place| place as f64).collect::<Vec<_>>();
     let values = if width == 0 { numbered() } else { rows.columns(column.place.clone(), |number| number) };
     numbers_checksum(start * width.max(1), &values)
 }
 
-fn write_column(dataset: &Dataset, rows: &Rows, column: &Column) -> hdf5::Result<()> {
+fn write_column(dataset: &Dataset, rows: &Rows, column: &DatasetColumn) -> hdf5::Result<()> {
     let width = column.place.len();
     let ranges: Vec<Range<usize>> = iter::once(rows.places()).chain((width > 1).then_some(0..width)).collect();
     match column.whole {

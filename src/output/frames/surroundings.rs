@@ -4,7 +4,7 @@ use hdf5::{Dataset, File};
 
 use super::{
     bond, membrane,
-    read::{Columns, FrameFile, read_with, refused},
+    read::{FrameColumns, FrameFile, read_with, refused},
 };
 use crate::{error::Result, observe::Plane, output::files::slab};
 
@@ -50,7 +50,7 @@ fn bonds(file: &File) -> hdf5::Result<Vec<[usize; 3]>> {
     if !file.link_exists("bonds") {
         return Ok(Vec::new());
     }
-    let group = Columns { file, group: "bonds", count: 2 * slab::get::<u64>(file, "bond_count")? as usize };
+    let group = FrameColumns { file, group: "bonds", count: 2 * slab::get::<u64>(file, "bond_count")? as usize };
     let [bodies, chains] = group.all::<i32, _>(&bond::COUNTS)?;
     let all = bodies.chunks_exact(2).zip(chains.chunks_exact(2));
     all.map(|(ends, chain)| Ok([body_of(file, ends[0])?, body_of(file, ends[1])?, chain[0].max(0) as usize])).collect()

@@ -19,12 +19,12 @@ pub struct ChartOfTable {
     /// Whether the ordinate is logarithmic at first.
     pub logarithmic: bool,
     /// A mean with its interval over a part of the abscissa.
-    pub band: Option<Band>,
+    pub band: Option<MeanBand>,
 }
 
 /// A mean with its interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Band {
+pub struct MeanBand {
     /// Abscissas where the part that is averaged over begins and ends.
     pub from_to: [f64; 2],
     /// The mean.
@@ -34,27 +34,28 @@ pub struct Band {
 }
 
 /// A chart by title: the columns whose names begin so.
-struct Group {
+struct ChartGroup {
     title: &'static str,
     beginnings: &'static [&'static str],
     logarithmic: bool,
 }
 
-const fn group(title: &'static str, beginnings: &'static [&'static str]) -> Group {
-    Group { title, beginnings, logarithmic: false }
+const fn group(title: &'static str, beginnings: &'static [&'static str]) -> ChartGroup {
+    ChartGroup { title, beginnings, logarithmic: false }
 }
 
 /// Charts in the order of the page; a column is in the first that takes it.
-const GROUPS: [Group; 22] = [
+const GROUPS: [ChartGroup; 23] = [
     group("Parts of the relative viscosity", &["viscosity_"]),
     group("Relative viscosity", &["viscosity"]),
+    group("Parts of the normal stresses", &["first_normal_difference_", "second_normal_difference_", "particle_pressure_"]),
     group("Normal stresses over viscosity and rate", &["first_normal", "second_normal", "particle_pressure"]),
     group("Stress", &["stress"]),
     group("Force coefficients", &["drag_", "lift_"]),
     group("Forces on bodies", &["force_"]),
     group("Torques on bodies", &["torque_"]),
     group("Velocities of bodies", &["body_", "settling", "velocity"]),
-    group("Flow", &["flow_rate", "mean_velocity", "pressure_gradient"]),
+    group("Flow", &["flow_rate", "mean_velocity", "pressure_gradient", "shear_rate"]),
     group("Energies", &["kinetic_energy", "bond_energy"]),
     group("Reynolds, Stokes and Courant numbers", &["reynolds", "stokes", "courant"]),
     group("Size of chains", &["end_to_end", "gyration", "curvature"]),
@@ -67,7 +68,7 @@ const GROUPS: [Group; 22] = [
     group("Length of steps", &["last_step"]),
     group("Solves and iterations of a step", &["iterations", "solves", "contact_iterations"]),
     group("Seconds of wall time of a step", &["seconds"]),
-    Group { title: "Residual of contacts", beginnings: &["kkt_residual"], logarithmic: true },
+    ChartGroup { title: "Residual of contacts", beginnings: &["kkt_residual"], logarithmic: true },
 ];
 
 /// Columns that are shown only if they are chosen.
@@ -89,8 +90,8 @@ fn of_table(number: usize, table: &Table, mean: Option<&MeanViscosity>) -> Vec<C
     let chart = |place: Option<usize>| {
         let y: Vec<String> = ordinates().filter(|column| group_of(column) == place).cloned().collect();
         let title = place.map_or("Other columns", |place| GROUPS[place].title);
-        let strained = place.is_some_and(|place| place < 4) && has("strain");
-        let band = mean.filter(|_| place == Some(1) && strained).map(|mean| Band {
+        let strained = place.is_some_and(|place| place < 5) && has("strain");
+        let band = mean.filter(|_| place == Some(1) && strained).map(|mean| MeanBand {
             from_to: mean.strains,
             mean: mean.relative,
             interval: mean.interval,
@@ -99,7 +100,7 @@ fn of_table(number: usize, table: &Table, mean: Option<&MeanViscosity>) -> Vec<C
         (!y.is_empty()).then_some(ChartOfTable { title, table: number, x: if strained { "strain" } else { "time" }, y, logarithmic, band })
     };
     // the whole before its parts
-    [1, 0].into_iter().chain(2..GROUPS.len()).map(Some).chain([None]).filter_map(chart).collect()
+    [1, 0, 3, 2].into_iter().chain(4..GROUPS.len()).map(Some).chain([None]).filter_map(chart).collect()
 }
 
 #[cfg(test)]

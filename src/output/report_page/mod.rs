@@ -8,8 +8,9 @@ mod page;
 mod sections;
 mod table;
 
+use crate::picture::escaped;
 pub use bodies::bodies_table;
-pub use page::{Facts, Image, Page, Parts, Standing};
+pub use page::{Breakdown, Facts, Image, Page, Standing};
 pub use table::Table;
 
 const STYLE: &str = include_str!("style.css");
@@ -22,7 +23,7 @@ impl Page {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
              <body>\n{body}<script id=\"data\" type=\"application/json\">{data}</script>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-            title = super::escaped(&self.title),
+            title = escaped(&self.title),
             body = sections::body(self),
             data = self.data(),
         )
@@ -52,7 +53,7 @@ mod tests {
             tables: vec![table("</script>.csv")],
             mean: None,
             images: vec![Image { name: "picture.png", bytes: vec![1, 2, 3] }],
-            parts: vec![Parts { title: "Viscosity", parts: vec![("flow", 1.0), ("contacts", 0.5)], decimals: 4 }],
+            parts: vec![Breakdown { title: "Viscosity", parts: vec![("flow", 1.0), ("contacts", 0.5)], decimals: 4 }],
             bodies: None,
             facts: vec![Facts { title: "Run", facts: vec![("command", "turbid run a&b".into())] }],
             scene: "title = \"<b>\"".into(),

@@ -16,7 +16,7 @@ pub enum Standing {
 
 /// Parts that add up, such as a viscosity or seconds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parts {
+pub struct Breakdown {
     /// What of.
     pub title: &'static str,
     /// Names and values.
@@ -61,7 +61,7 @@ pub struct Page {
     /// The picture, and others.
     pub images: Vec<Image>,
     /// What adds up.
-    pub parts: Vec<Parts>,
+    pub parts: Vec<Breakdown>,
     /// Header and rows of the table of bodies, if there are few.
     pub bodies: Option<(Vec<String>, Vec<Vec<String>>)>,
     /// Contacts, solver, run, machine.

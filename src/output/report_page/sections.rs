@@ -1,7 +1,7 @@
 //! The sections of the page, one function each.
 
-use super::{Facts, Image, Page, Parts, Standing};
-use crate::output::{escaped, picture::base64};
+use super::{Breakdown, Facts, Image, Page, Standing};
+use crate::picture::{base64, escaped};
 
 /// Colours of parts, those of the charts.
 const COLOURS: [&str; 6] = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00"];
@@ -77,7 +77,7 @@ fn charts(page: &Page) -> String {
 }
 
 /// A bar of parts and a table of them, which adds up.
-fn parts(Parts { title, parts, decimals }: &Parts) -> String {
+fn parts(Breakdown { title, parts, decimals }: &Breakdown) -> String {
     let total: f64 = parts.iter().map(|(_, value)| value).sum();
     let size: f64 = parts.iter().map(|(_, value)| value.abs()).sum();
     let coloured = || parts.iter().zip(COLOURS.iter().cycle());

@@ -6,12 +6,8 @@ use serde_json::{Value, json};
 
 use crate::{
     observe::Plane,
-    output::{
-        column_names,
-        picture::colour::{self, ColourMap},
-        row_numbers,
-        traces::SUMMARY,
-    },
+    output::{column_names, row_numbers, traces::SUMMARY},
+    picture::colour::{self, ColourMap},
     scene::{AffineFlow, AxisSection, Colour, Scene},
 };
 

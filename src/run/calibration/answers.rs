@@ -13,7 +13,7 @@ use crate::{
 /// Something that a solve answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Quantity {
+pub enum EstimatedQuantity {
     /// Forces, and torques over radius, on bodies whose motion is given.
     Drag,
     /// Velocities, and spins times radius, of free bodies.
@@ -26,31 +26,31 @@ pub enum Quantity {
 
 /// The numbers of a quantity; errors are relative to their root mean square, which for one body or one number is its size.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
+pub struct CalibrationAnswer {
     /// What they are.
-    pub quantity: Quantity,
+    pub quantity: EstimatedQuantity,
     /// The numbers, the same on all ranks.
     pub values: Vec<f64>,
 }
 
-impl Quantity {
+impl EstimatedQuantity {
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
-            Quantity::Drag => "drag",
-            Quantity::Velocity => "velocity",
-            Quantity::Viscosity => "viscosity",
-            Quantity::MeanVelocity => "mean velocity",
+            EstimatedQuantity::Drag => "drag",
+            EstimatedQuantity::Velocity => "velocity",
+            EstimatedQuantity::Viscosity => "viscosity",
+            EstimatedQuantity::MeanVelocity => "mean velocity",
         }
     }
 }
 
-impl Answer {
+impl CalibrationAnswer {
     /// All that a solution answers; collective.
     ///
     /// # Errors
     /// PETSc fails.
-    pub fn all<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Vec<Answer>> {
+    pub fn all<const D: usize>(suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<Vec<CalibrationAnswer>> {
         let setup = suspension.setup();
         let viscosity = observe::viscosity(setup, suspension.grid(), solution, &[])?;
         let (drag, velocity) = of_bodies(setup, solution);
@@ -59,16 +59,20 @@ impl Answer {
             _ => &[],
         };
         let all = [
-            (Quantity::Drag, drag),
-            (Quantity::Velocity, velocity),
-            (Quantity::Viscosity, viscosity.iter().map(|viscosity| viscosity.relative()).collect()),
-            (Quantity::MeanVelocity, driven.to_vec()),
+            (EstimatedQuantity::Drag, drag),
+            (EstimatedQuantity::Velocity, velocity),
+            (EstimatedQuantity::Viscosity, viscosity.iter().map(|viscosity| viscosity.relative()).collect()),
+            (EstimatedQuantity::MeanVelocity, driven.to_vec()),
         ];
-        Ok(all.into_iter().filter(|(_, values)| !values.is_empty()).map(|(quantity, values)| Answer { quantity, values }).collect())
+        Ok(all
+            .into_iter()
+            .filter(|(_, values)| !values.is_empty())
+            .map(|(quantity, values)| CalibrationAnswer { quantity, values })
+            .collect())
     }
 
     /// How far it is from another answer to the same, relative to itself.
-    pub fn distance(&self, other: &Answer) -> f64 {
+    pub fn distance(&self, other: &CalibrationAnswer) -> f64 {
         let difference = norm(self.values.iter().zip(&other.values).map(|(one, two)| one - two));
         if difference == 0.0 { 0.0 } else { difference / self.norm() }
     }

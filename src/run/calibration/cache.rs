@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    answers::{Answer, Quantity},
+    answers::{CalibrationAnswer, EstimatedQuantity},
     setting::Calibration,
 };
 use crate::{
@@ -65,7 +65,7 @@ impl Calibrated {
     /// PETSc fails.
     pub fn attach<const D: usize>(&self, summary: &mut Summary, suspension: &dyn FlowSolver<D>, solution: &Solution<D>) -> Result<()> {
         let calibration = &self.calibration;
-        let drag = Answer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == Quantity::Drag);
+        let drag = CalibrationAnswer::all(suspension, solution)?.into_iter().find(|answer| answer.quantity == EstimatedQuantity::Drag);
         let given = suspension.setup().bodies.iter().filter(|suspended| !suspended.body.free()).count();
         let accuracy = AccuracySummary {
             asked: calibration.accuracy,
@@ -73,10 +73,10 @@ impl Calibrated {
             calibrated_on: calibration.levels.iter().map(|level| level.cells_per_radius).collect(),
             calibration_seconds: (!self.cached).then(|| calibration.seconds()),
             estimated: EstimatedErrors {
-                drag: calibration.error(Quantity::Drag),
-                velocity: calibration.error(Quantity::Velocity),
-                viscosity: calibration.error(Quantity::Viscosity),
-                mean_velocity: calibration.error(Quantity::MeanVelocity),
+                drag: calibration.error(EstimatedQuantity::Drag),
+                velocity: calibration.error(EstimatedQuantity::Velocity),
+                viscosity: calibration.error(EstimatedQuantity::Viscosity),
+                mean_velocity: calibration.error(EstimatedQuantity::MeanVelocity),
             },
             drag: None,
         };

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::answers::{Answer, Quantity};
+use super::answers::{CalibrationAnswer, EstimatedQuantity};
 
 /// Estimates are multiplied by this.
 const SAFETY: f64 = 2.0;
@@ -24,17 +24,18 @@ const FLOOR_OF_MORE: f64 = 0.25;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// What is estimated.
-    pub quantity: Quantity,
+    pub quantity: EstimatedQuantity,
     /// The error, a bar that the true one should not exceed.
     pub error: f64,
 }
 
 /// The errors of the last of several grids, each with its cells per radius and its answers; nothing for a single grid.
-pub fn estimates(grids: &[(f64, Vec<Answer>)], accuracy: f64) -> Vec<Estimate> {
+pub fn estimates(grids: &[(f64, Vec<CalibrationAnswer>)], accuracy: f64) -> Vec<Estimate> {
     let Some(((cells, last), coarser)) = grids.split_last().filter(|(_, coarser)| !coarser.is_empty()) else { return Vec::new() };
     let floor = if coarser.len() == 1 { FLOOR_OF_TWO / (cells * cells) } else { FLOOR_OF_MORE * accuracy };
     let of = |place: usize| {
-        let against = |(other, answers): &(f64, Vec<Answer>)| last[place].distance(&answers[place]) / ((cells / other).powi(2) - 1.0);
+        let against =
+            |(other, answers): &(f64, Vec<CalibrationAnswer>)| last[place].distance(&answers[place]) / ((cells / other).powi(2) - 1.0);
         let largest = coarser.iter().map(against).fold(0.0, f64::max);
         Estimate { quantity: last[place].quantity, error: floor.max(SAFETY * largest) }
     };
@@ -50,8 +51,8 @@ pub fn worst(estimates: &[Estimate]) -> Option<Estimate> {
 mod tests {
     use super::*;
 
-    fn grid(cells: f64, drag: f64) -> (f64, Vec<Answer>) {
-        (cells, vec![Answer { quantity: Quantity::Drag, values: vec![drag, 0.0] }])
+    fn grid(cells: f64, drag: f64) -> (f64, Vec<CalibrationAnswer>) {
+        (cells, vec![CalibrationAnswer { quantity: EstimatedQuantity::Drag, values: vec![drag, 0.0] }])
     }
 
     fn error(grids: &[(f64, f64)], accuracy: f64) -> f64 {

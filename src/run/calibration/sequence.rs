@@ -1,7 +1,7 @@
 //! From coarse grids to the one that meets an accuracy.
 
 use super::{
-    answers::Answer,
+    answers::CalibrationAnswer,
     estimate::{Estimate, estimates, worst},
     setting::{COARSEST, Calibration, RefinementLevel, resolved},
 };
@@ -41,7 +41,7 @@ pub struct RefinementSequence<'a, const D: usize> {
     cells: f64,
     suspension: Suspension<D>,
     levels: Vec<RefinementLevel>,
-    answers: Vec<(f64, Vec<Answer>)>,
+    answers: Vec<(f64, Vec<CalibrationAnswer>)>,
 }
 
 /// The solution of the last grid, and the machinery that found it.
@@ -90,7 +90,7 @@ impl<'a, const D: usize> RefinementSequence<'a, D> {
         let solution = self.suspension.solve(&mut |iteration, residual| progress.show(iteration, residual));
         progress.end();
         let solution = solution.map_err(|error| at(self.cells, error))?;
-        self.answers.push((self.cells, Answer::all(&self.suspension, &solution)?));
+        self.answers.push((self.cells, CalibrationAnswer::all(&self.suspension, &solution)?));
         let (setup, cost) = (self.suspension.setup(), self.suspension.cost());
         self.levels.push(RefinementLevel {
             cells_per_radius: self.cells,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{answers::Quantity, estimate::Estimate};
+use super::{answers::EstimatedQuantity, estimate::Estimate};
 use crate::scene::{Modes, ResolutionSection, Scene, Spacing, Tolerance};
 
 /// Cells per radius of the first grid.
@@ -51,7 +51,7 @@ impl Calibration {
     }
 
     /// The estimated relative error of a quantity, if the scene answers it.
-    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+    pub fn error(&self, quantity: EstimatedQuantity) -> Option<f64> {
         self.estimates.iter().find(|estimate| estimate.quantity == quantity).map(|estimate| estimate.error)
     }
 

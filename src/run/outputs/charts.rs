@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use crate::{
     error::Result,
     observe::Part,
-    output::{Band, Chart, CurvePoint, MeanViscosity, Notes, Scale, Series, Summary, bar, effort_chart},
-    run::{Evaluated, Output},
+    output::{CurvePoint, MeanViscosity, Summary, bar, effort_chart},
+    picture::{Band, Chart, Notes, Scale, Series},
+    run::{Output, View},
 };
 
 /// Draws the viscosity, in a sheared suspension.
@@ -22,24 +23,24 @@ pub struct EffortChart {
 }
 
 impl<const D: usize> Output<D> for ViscosityChart {
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
         // only the first rank knows the points, and all of them must agree on whether there is a file
-        let points = seen.history.points();
-        if seen.world.max(points.len() as f64) < 2.0 {
+        let points = view.history.points();
+        if view.world.max(points.len() as f64) < 2.0 {
             return Ok(Vec::new());
         }
-        let notes = Notes { band: seen.history.mean().map(band), ..Notes::default() };
-        let chart = viscosity_chart(seen.scene.shown_title(), points).annotated(&notes);
-        Ok(vec![seen.write_file(&self.folder, "viscosity.svg", chart.as_bytes())?])
+        let notes = Notes { band: view.history.mean().map(band), ..Notes::default() };
+        let chart = viscosity_chart(view.scene.shown_title(), points).annotated(&notes);
+        Ok(vec![view.write_file(&self.folder, "viscosity.svg", chart.as_bytes())?])
     }
 }
 
 impl<const D: usize> Output<D> for EffortChart {
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
         // the first rank writes what it reads here
         let rows = std::fs::read_to_string(self.folder.join("series.csv")).unwrap_or_default();
-        let chart = effort_chart(seen.scene.shown_title(), &rows).svg();
-        Ok(vec![seen.write_file(&self.folder, "effort.svg", chart.as_bytes())?])
+        let chart = effort_chart(view.scene.shown_title(), &rows).svg();
+        Ok(vec![view.write_file(&self.folder, "effort.svg", chart.as_bytes())?])
     }
 }
 

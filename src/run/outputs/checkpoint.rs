@@ -11,9 +11,9 @@ use nalgebra::{SVector, Vector2};
 
 use crate::{
     body::{Twist, components, planes, skew},
-    constraint::fitted::Rigid,
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
+    fitted::Rigid,
     grid::Grid,
     interaction::Wrench,
     mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot, State},

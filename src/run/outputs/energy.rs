@@ -10,7 +10,7 @@ use crate::{
     observe::EnergyRates,
     output::{Columns, EnergySummary, Summary},
     parallel::World,
-    run::{Evaluated, Output},
+    run::{Output, View},
 };
 
 const NAME: &str = "energy.csv";
@@ -124,10 +124,10 @@ impl Balance {
 }
 
 impl<const D: usize> Output<D> for EnergyFile {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        let (Some(motion), Some(flow)) = (&seen.motion, &seen.flow) else { return Ok(()) };
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        let (Some(motion), Some(flow)) = (&view.motion, &view.flow) else { return Ok(()) };
         let contacts = &motion.observation.contacts;
-        let Some(rates) = EnergyRates::of(flow.solver, flow.solution, contacts, seen.viscosity)? else { return Ok(()) };
+        let Some(rates) = EnergyRates::of(flow.solver, flow.solution, contacts, view.viscosity)? else { return Ok(()) };
         let (steps, time) = (motion.state().steps, motion.state().time);
         let balance = self.balance.map_or_else(|| Balance::begin(time, rates), |before| before.after(time, rates));
         self.balance = Some(balance);
@@ -135,11 +135,11 @@ impl<const D: usize> Output<D> for EnergyFile {
         let cell = |(name, value): (&'static str, Option<f64>)| value.map(|value| real(name, value));
         let cells = balance.columns(touching).into_iter().filter_map(cell);
         let row: Vec<Cell> = [count("step", steps), real("time", time)].into_iter().chain(cells).collect();
-        seen.world.agree(self.table.as_mut().map_or(Ok(()), |table| table.write(&row)))
+        view.world.agree(self.table.as_mut().map_or(Ok(()), |table| table.write(&row)))
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
-        seen.world.agree(self.table.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        view.world.agree(self.table.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
         summary.energy = self.balance.map(|balance| EnergySummary {
             work: balance.work,
             dissipated: balance.dissipated,

@@ -7,7 +7,7 @@ use crate::{
     observe::{CellCenters, CellVorticity, inside},
     output::FrameFields,
     petsc::Vector,
-    run::EvaluatedFlow,
+    run::FlowView,
     scene::Scene,
 };
 
@@ -29,7 +29,7 @@ impl<const D: usize> FlowFields<D> {
     }
 
     /// The fluid of this rank around these bodies. Collective.
-    pub fn of<'a>(&mut self, flow: EvaluatedFlow<'a, D>, domain: &Domain<D>, balls: &[Ball<D>]) -> Result<FrameFields<'a, D>> {
+    pub fn of<'a>(&mut self, flow: FlowView<'a, D>, domain: &Domain<D>, balls: &[Ball<D>]) -> Result<FrameFields<'a, D>> {
         let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
         if domain.slide().is_some() {
             self.centers = CellCenters::new(grid, fluid)?;

@@ -15,7 +15,7 @@ use crate::{
     observe::{ForceCoefficients, Stream},
     output::{AXES, Summary},
     parallel::World,
-    run::{Evaluated, EvaluatedFlow, Output},
+    run::{FlowView, Output, View},
     scene::{MOST_WITH_FORCES, Scene},
 };
 
@@ -56,7 +56,7 @@ impl<const D: usize> ForcesFile<D> {
     }
 
     /// The cells of a body; without numbers before the first step of a flow with inertia, which no flow leads to.
-    fn cells(&self, flow: &EvaluatedFlow<D>, body: usize, known: bool) -> Vec<Cell> {
+    fn cells(&self, flow: &FlowView<D>, body: usize, known: bool) -> Vec<Cell> {
         let state = &flow.solution.bodies[body];
         let coefficients = self.stream.map(|stream| stream.coefficients(&flow.solver.setup().bodies[body].body.ball, &state.force));
         let cell = |(name, value): (String, f64)| if known { real(name, value) } else { absent(name) };
@@ -84,17 +84,17 @@ fn numbers<const D: usize>(state: &BodyState<D>, coefficients: Option<ForceCoeff
 }
 
 impl<const D: usize> Output<D> for ForcesFile<D> {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        let (Some(motion), Some(flow)) = (&seen.motion, &seen.flow) else { return Ok(()) };
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        let (Some(motion), Some(flow)) = (&view.motion, &view.flow) else { return Ok(()) };
         let state = motion.state();
         let known = state.steps > 0 || flow.solver.evolution().is_none();
         let mut row = vec![count("step", state.steps), real("time", state.time)];
         row.extend(self.bodies.iter().flat_map(|&body| self.cells(flow, body, known)));
-        seen.world.agree(self.table.as_mut().map_or(Ok(()), |table| table.write(&row)))
+        view.world.agree(self.table.as_mut().map_or(Ok(()), |table| table.write(&row)))
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
-        seen.world.agree(self.table.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        view.world.agree(self.table.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
         Ok(vec![NAME.to_owned()].into_iter().filter(|name| self.folder.join(name).exists()).collect())
     }
 }

@@ -19,7 +19,7 @@ use crate::{
     output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
     parallel::World,
     petsc::Vector,
-    run::{Evaluated, EvaluatedMotion, Output},
+    run::{MotionView, Output, View},
     scene::{ContactModel, Scene},
 };
 
@@ -78,15 +78,15 @@ impl<const D: usize> FrameFiles<D> {
 }
 
 /// Whether a frame is due, of frames that are so far apart.
-pub fn frame_due<const D: usize>(motion: &EvaluatedMotion<D>, every: f64) -> bool {
+pub fn frame_due<const D: usize>(motion: &MotionView<D>, every: f64) -> bool {
     let state = motion.state();
     let number = |time: f64| (time / every + ROUNDING).floor();
     state.steps == 0 || motion.last || number(state.time) > number(state.time - state.last_step)
 }
 
 impl<const D: usize> Output<D> for FrameFiles<D> {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        let Some(motion) = seen.motion else { return Ok(()) };
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        let Some(motion) = view.motion else { return Ok(()) };
         if !frame_due(&motion, self.every) {
             return Ok(());
         }
@@ -94,29 +94,29 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
             self.tell_of_steps(motion.state(), motion.domain().slide().is_some());
         }
         let state = motion.state();
-        let written = state.written(seen.world);
+        let written = state.written(view.world);
         let contacts = (self.contact != ContactModel::None).then(|| network(&motion, self.contact.gluey(), &written));
-        let ties = Ties::of(&motion, &written);
-        let (bonds, membranes) = (ties.as_ref().map(Ties::bonds), ties.as_ref().and_then(Ties::membranes));
+        let ties = WrittenTies::of(&motion, &written);
+        let (bonds, membranes) = (ties.as_ref().map(WrittenTies::bonds), ties.as_ref().and_then(WrittenTies::membranes));
         let bodies = motion.bodies(written.clone());
         let balls = || state.balls(motion.simulation.radii());
-        let fields = match (&mut self.fields, seen.flow) {
+        let fields = match (&mut self.fields, view.flow) {
             (Some(fields), Some(flow)) => Some(fields.of(flow, motion.domain(), &balls())?),
             _ => None,
         };
         let contacts = contacts.as_deref();
         let (time, step, domain, bonds, membranes) = (state.time, state.steps, motion.domain(), bonds.as_deref(), membranes.as_ref());
-        self.frames.write(seen.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, membranes, fields })
+        self.frames.write(view.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, membranes, fields })
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
-        self.frames.finish(seen.world)?.iter().for_each(|lost| note(&format!("turbid: {lost}")));
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        self.frames.finish(view.world)?.iter().for_each(|lost| note(&format!("turbid: {lost}")));
         Ok(INDICES.into_iter().filter(|name| self.folder.join(name).exists()).map(str::to_owned).collect())
     }
 }
 
 /// Contacts that bear a force or stick, of those that this rank writes of, as frames hold them. Collective.
-fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &Range<usize>) -> Vec<FrameContact<D>> {
+fn network<const D: usize>(motion: &MotionView<D>, gluey: bool, written: &Range<usize>) -> Vec<FrameContact<D>> {
     let (state, domain, held) = (motion.state(), motion.domain(), motion.held());
     let friction = motion.simulation.interactions().friction().is_some();
     let held = held.iter().map(|held| (held.identity(), held.force, 0.0, held.tangential));
@@ -149,20 +149,20 @@ fn network<const D: usize>(motion: &EvaluatedMotion<D>, gluey: bool, written: &R
 }
 
 /// What ties bodies, with the places of all of them.
-struct Ties<'a, const D: usize> {
-    motion: &'a EvaluatedMotion<'a, D>,
+struct WrittenTies<'a, const D: usize> {
+    motion: &'a MotionView<'a, D>,
     written: &'a Range<usize>,
     whole: Cow<'a, State<D>>,
     /// Of each body the number of its chain, cell or cluster.
     chain_of: Vec<Option<usize>>,
 }
 
-impl<'a, const D: usize> Ties<'a, D> {
+impl<'a, const D: usize> WrittenTies<'a, D> {
     /// Nothing without any. Collective.
-    fn of(motion: &'a EvaluatedMotion<'a, D>, written: &'a Range<usize>) -> Option<Ties<'a, D>> {
+    fn of(motion: &'a MotionView<'a, D>, written: &'a Range<usize>) -> Option<WrittenTies<'a, D>> {
         let interactions = motion.simulation.interactions();
         let tied = !interactions.bonds().is_empty();
-        tied.then(|| Ties { motion, written, whole: motion.simulation.whole_state(), chain_of: interactions.group_of() })
+        tied.then(|| WrittenTies { motion, written, whole: motion.simulation.whole_state(), chain_of: interactions.group_of() })
     }
 
     fn center(&self, body: usize) -> SVector<f64, D> {
@@ -210,6 +210,6 @@ impl<'a, const D: usize> Ties<'a, D> {
 }
 
 /// Whether this rank writes a body.
-fn writes<const D: usize>(motion: &EvaluatedMotion<D>, written: &Range<usize>, body: usize) -> bool {
+fn writes<const D: usize>(motion: &MotionView<D>, written: &Range<usize>, body: usize) -> bool {
     motion.state().place(body).is_some_and(|place| written.contains(&place))
 }

@@ -11,7 +11,7 @@ use crate::{
     observe::FrameBody,
     output::{Frame, FrameBond, Frames, Summary},
     parallel::World,
-    run::{Evaluated, EvaluatedFlow, Output},
+    run::{FlowView, Output, View},
 };
 
 /// Writes the frame at the end.
@@ -21,12 +21,12 @@ pub struct InstantFrame {
 }
 
 impl<const D: usize> Output<D> for InstantFrame {
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
-        let Some(flow) = seen.flow else { return Ok(Vec::new()) };
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let Some(flow) = view.flow else { return Ok(Vec::new()) };
         let setup = flow.solver.setup();
         let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
-        let fields = FlowFields::new(seen.scene, flow.solver.grid(), &flow.solution.fluid)?.of(flow, &setup.domain, &balls)?;
-        let (bodies, bonds) = (bodies(seen.world, &flow), bonds(seen.world, &flow));
+        let fields = FlowFields::new(view.scene, flow.solver.grid(), &flow.solution.fluid)?.of(flow, &setup.domain, &balls)?;
+        let (bodies, bonds) = (bodies(view.world, &flow), bonds(view.world, &flow));
         let frame = Frame {
             time: 0.0,
             step: 0,
@@ -37,15 +37,15 @@ impl<const D: usize> Output<D> for InstantFrame {
             membranes: None,
             fields: Some(fields),
         };
-        let mut frames = Frames::create(seen.world, &self.folder)?;
-        frames.write(seen.world, &frame)?;
-        frames.finish(seen.world)?;
+        let mut frames = Frames::create(view.world, &self.folder)?;
+        frames.write(view.world, &frame)?;
+        frames.finish(view.world)?;
         Ok(INDICES.into_iter().filter(|name| self.folder.join(name).exists()).map(str::to_owned).collect())
     }
 }
 
 /// All bodies, which every rank knows, on the first rank; none elsewhere.
-fn bodies<const D: usize>(world: &World, flow: &EvaluatedFlow<D>) -> Vec<FrameBody<D>> {
+fn bodies<const D: usize>(world: &World, flow: &FlowView<D>) -> Vec<FrameBody<D>> {
     let all = flow.solver.setup().bodies.iter().zip(&flow.solution.bodies).enumerate();
     let body = |(number, (suspended, state)): (usize, (&crate::mechanics::SuspendedBody<D>, &crate::mechanics::BodyState<D>))| FrameBody {
         number,
@@ -62,7 +62,7 @@ fn bodies<const D: usize>(world: &World, flow: &EvaluatedFlow<D>) -> Vec<FrameBo
 }
 
 /// All bonds on the first rank, none elsewhere; nothing without any.
-fn bonds<const D: usize>(world: &World, flow: &EvaluatedFlow<D>) -> Option<Vec<FrameBond<D>>> {
+fn bonds<const D: usize>(world: &World, flow: &FlowView<D>) -> Option<Vec<FrameBond<D>>> {
     let setup = flow.solver.setup();
     let mut pairs = setup.interactions.bonds();
     if pairs.is_empty() {

@@ -13,7 +13,7 @@ use crate::{
     motion::StepReport,
     output::{LOG, MeanViscosity, Summary, date, duration, note},
     parallel::{Machine, World},
-    run::{Evaluated, Output, command},
+    run::{Output, View, command},
 };
 
 /// Seconds between lines, at least.
@@ -86,14 +86,14 @@ impl RunLog {
 }
 
 impl<const D: usize> Output<D> for RunLog {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        if let Some(motion) = &seen.motion {
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        if let Some(motion) = &view.motion {
             let halved = motion.statistics.last().filter(|last| last.halvings > 0);
             if let Some(StepReport { length, halvings, .. }) = halved {
                 let (time, times) = (motion.state().time, if *halvings == 1 { "once" } else { "several times" });
                 self.line(&format!("the step to time {time:.6} led nowhere and was halved {times}, to {length:.3e}"));
             }
-            self.progress(motion.state(), seen.history.mean());
+            self.progress(motion.state(), view.history.mean());
         }
         Ok(())
     }
@@ -102,8 +102,8 @@ impl<const D: usize> Output<D> for RunLog {
         self.line(&format!("broke off after {}: {}", duration(self.seconds()), error.to_string().replace('\n', "; ")));
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
-        let ending = match &seen.motion {
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let ending = match &view.motion {
             Some(_) => format!("ended at time {} after {} steps", summary.time, summary.steps),
             None => "ended".to_owned(),
         };

@@ -11,7 +11,6 @@ mod frames;
 mod instant;
 mod kept_rows;
 pub mod log;
-mod means;
 mod pairs;
 mod picture;
 mod probe;
@@ -61,19 +60,7 @@ pub fn outputs<const D: usize>(
         let all = picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(profiles).chain([log]).chain(report);
         return Ok((all.collect(), Vec::new()));
     };
-    let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
-    let mut all: Outputs<D> = vec![
-        Box::new(series),
-        Box::new(frames::FrameFiles::open(world, scene, folder, simulation)?),
-        Box::new(checkpoint::CheckpointFile::new(folder, texts, scene.output.checkpoint)),
-        Box::new(charts::ViscosityChart { folder: path() }),
-    ];
-    if let Some(forces) = forces::ForcesFile::open(world, scene, folder, simulation)? {
-        all.push(Box::new(forces));
-    }
-    if scene.output.energy {
-        all.push(Box::new(energy::EnergyFile::open(world, folder, simulation)?));
-    }
+    let (mut all, points) = of_steps(world, scene, folder, texts, simulation)?;
     all.extend(probe);
     if scene.output.picture {
         all.push(Box::new(charts::EffortChart { folder: path() }));
@@ -82,5 +69,29 @@ pub fn outputs<const D: usize>(
         all.push(Box::new(settling::MeanSettling { folder: path() }));
     }
     all.extend(picture.into_iter().chain(pairs).chain(profiles).chain([log]).chain(report));
+    Ok((all, points))
+}
+
+/// Those that write after every step or so, and the viscosity of the run so far.
+fn of_steps<const D: usize>(
+    world: &World,
+    scene: &Scene,
+    folder: &Path,
+    texts: Vec<(&'static str, String)>,
+    simulation: &Simulation<D>,
+) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
+    let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
+    let mut all: Outputs<D> = vec![
+        Box::new(series),
+        Box::new(frames::FrameFiles::open(world, scene, folder, simulation)?),
+        Box::new(checkpoint::CheckpointFile::new(folder, texts, scene.output.checkpoint)),
+        Box::new(charts::ViscosityChart { folder: folder.to_owned() }),
+    ];
+    if let Some(forces) = forces::ForcesFile::open(world, scene, folder, simulation)? {
+        all.push(Box::new(forces));
+    }
+    if scene.output.energy {
+        all.push(Box::new(energy::EnergyFile::open(world, folder, simulation)?));
+    }
     Ok((all, points))
 }

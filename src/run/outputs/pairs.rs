@@ -9,7 +9,7 @@ use crate::{
     observe::{FrameBody, PairCounts, PairDistribution, Shear},
     output::{FrameFile, MeanViscosity, PairSummary, Summary, pair_files},
     parallel::World,
-    run::{Evaluated, Output},
+    run::{Output, View},
 };
 
 /// Part of a run without a steady viscosity that is left out.
@@ -22,42 +22,42 @@ pub struct PairFiles {
 }
 
 /// The bodies that are looked at.
-struct Bodies<'a, const D: usize> {
+struct PairBodies<'a, const D: usize> {
     domain: &'a Domain<D>,
     radii: Vec<f64>,
     shear: Option<Shear<D>>,
 }
 
 impl<const D: usize> Output<D> for PairFiles {
-    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
-        let setup = seen.flow.map(|flow| flow.solver.setup());
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let setup = view.flow.map(|flow| flow.solver.setup());
         let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
-        let distribution = match (&seen.motion, setup) {
+        let distribution = match (&view.motion, setup) {
             (Some(motion), _) => {
                 let radii = motion.simulation.whole_balls().iter().map(|ball| ball.radius).collect();
-                let bodies = Bodies { domain: motion.domain(), radii, shear };
-                bodies.over_frames(seen.world, &self.folder, motion.state().time, seen.history.mean())?
+                let bodies = PairBodies { domain: motion.domain(), radii, shear };
+                bodies.over_frames(view.world, &self.folder, motion.state().time, view.history.mean())?
             }
             (None, Some(setup)) => {
                 let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
-                let bodies = Bodies { domain: &setup.domain, radii: balls.iter().map(|ball| ball.radius).collect(), shear };
+                let bodies = PairBodies { domain: &setup.domain, radii: balls.iter().map(|ball| ball.radius).collect(), shear };
                 let mut counts = bodies.counts();
                 counts.add(bodies.domain.slide().map_or(0.0, |slide| slide.time), &balls);
                 counts.distribution().map(|distribution| (distribution, 0.0))
             }
             (None, None) => None,
         };
-        if seen.world.max(f64::from(distribution.is_some())) == 0.0 {
+        if view.world.max(f64::from(distribution.is_some())) == 0.0 {
             return Ok(Vec::new());
         }
         let nothing = || ["pairs.csv", "pairs.json", "pairs.svg"].map(|name| (name, Vec::new()));
-        let files = distribution.as_ref().map_or_else(nothing, |(found, _)| pair_files(seen.scene.shown_title(), found));
+        let files = distribution.as_ref().map_or_else(nothing, |(found, _)| pair_files(view.scene.shown_title(), found));
         summary.pairs = distribution.map(|(found, from_time)| PairSummary {
             coordination: found.coordination,
             configurations: found.configurations,
             from_time,
         });
-        files.iter().map(|(name, bytes)| seen.write_file(&self.folder, name, bytes)).collect()
+        files.iter().map(|(name, bytes)| view.write_file(&self.folder, name, bytes)).collect()
     }
 }
 
@@ -72,7 +72,7 @@ pub fn steady_from<const D: usize>(world: &World, shear: Option<&Shear<D>>, end:
     world.gather(&[begin - ROUNDING * end])[0]
 }
 
-impl<const D: usize> Bodies<'_, D> {
+impl<const D: usize> PairBodies<'_, D> {
     fn counts(&self) -> PairCounts<'_, D> {
         PairCounts::new(self.domain, &self.radii, self.shear)
     }

@@ -6,7 +6,7 @@ use crate::{
     error::Result,
     observe::{Plane, picture, species_of},
     output::Summary,
-    run::{Evaluated, Output},
+    run::{Output, View},
     scene::Colour,
 };
 
@@ -20,29 +20,29 @@ pub struct PictureFile {
 }
 
 impl<const D: usize> Output<D> for PictureFile {
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
-        let (name, bytes) = match (&seen.flow, &seen.motion) {
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let (name, bytes) = match (&view.flow, &view.motion) {
             (Some(flow), _) => {
-                let lines = seen.motion.as_ref().map_or(Vec::new(), |motion| motion.force_lines());
-                let time = seen.motion.as_ref().map(|motion| motion.state().time);
-                let cut = picture(seen.scene, flow.solver, flow.solution, time, &lines)?;
+                let lines = view.motion.as_ref().map_or(Vec::new(), |motion| motion.force_lines());
+                let time = view.motion.as_ref().map(|motion| motion.state().time);
+                let cut = picture(view.scene, flow.solver, flow.solution, time, &lines)?;
                 ("picture.svg", cut.svg().into_bytes())
             }
             (None, Some(motion)) => {
-                let plane = Plane::of(seen.scene);
-                let bodies = motion.bodies_on_first_rank(seen.world);
-                let groups = match seen.scene.output.colour {
+                let plane = Plane::of(view.scene);
+                let bodies = motion.bodies_on_first_rank(view.world);
+                let groups = match view.scene.output.colour {
                     Colour::Species => species_of(&bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
                     _ => motion.simulation.interactions().group_of(),
                 };
                 let mut still = plane.frame(motion.state().time, bodies, &groups, None);
                 if D == 2 {
-                    still.contacts = motion.lines_on_first_rank(seen.world, plane.axes());
+                    still.contacts = motion.lines_on_first_rank(view.world, plane.axes());
                 }
-                ("picture.png", plane.film(seen.scene).apng(WIDTH, 1.0, vec![still]))
+                ("picture.png", plane.film(view.scene).apng(WIDTH, 1.0, vec![still]))
             }
             (None, None) => return Ok(Vec::new()),
         };
-        Ok(vec![seen.write_file(&self.folder, name, &bytes)?])
+        Ok(vec![view.write_file(&self.folder, name, &bytes)?])
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     error::Result,
     observe::velocity_probe,
     output::Summary,
-    run::{Evaluated, Output},
+    run::{Output, View},
 };
 
 /// Writes the probe at the end.
@@ -18,9 +18,9 @@ pub struct ProbeFile {
 }
 
 impl<const D: usize> Output<D> for ProbeFile {
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
-        let Some(flow) = seen.flow else { return Ok(Vec::new()) };
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let Some(flow) = view.flow else { return Ok(Vec::new()) };
         let probe = velocity_probe(flow.solver, flow.solution, self.points)?.csv();
-        Ok(vec![seen.write_file(&self.folder, "probe.csv", probe.as_bytes())?])
+        Ok(vec![view.write_file(&self.folder, "probe.csv", probe.as_bytes())?])
     }
 }

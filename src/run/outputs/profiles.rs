@@ -21,7 +21,7 @@ use crate::{
     observe::{CellCenters, ProfileBody, ProfileContact, ProfileSums, Shear, SliceSample, Slices, inside},
     output::{AXES, ProfileFrames, Summary, note, row_numbers, write_whole},
     parallel::World,
-    run::{Evaluated, EvaluatedFlow, EvaluatedMotion, Output},
+    run::{FlowView, MotionView, Output, View},
     scene::{ContactModel, Scene},
 };
 
@@ -55,20 +55,20 @@ impl ProfileFiles {
     }
 
     /// The slices across each axis, on every rank. Collective.
-    fn measure<const D: usize>(&self, seen: &Evaluated<D>) -> Result<Vec<(Slices<D>, Vec<SliceSample>)>> {
-        let found = Bodies::of(seen);
-        let cells = seen.flow.map(|flow| fluid_cells(&flow, &found)).transpose()?;
+    fn measure<const D: usize>(&self, view: &View<D>) -> Result<Vec<(Slices<D>, Vec<SliceSample>)>> {
+        let found = Bodies::of(view);
+        let cells = view.flow.map(|flow| fluid_cells(&flow, &found)).transpose()?;
         let measured = self.axes.iter().map(|&axis| {
-            let grid = seen.flow.map(|flow| flow.solver.grid().cells()[axis]);
-            let slices = Slices::new(&found.domain, axis, found.mean_radius(seen), grid, found.jump);
+            let grid = view.flow.map(|flow| flow.solver.grid().cells()[axis]);
+            let slices = Slices::new(&found.domain, axis, found.mean_radius(view), grid, found.jump);
             let mut sums = ProfileSums::new(slices.clone());
             found.bodies.iter().for_each(|body| sums.add_body(body));
             found.contacts.iter().for_each(|contact| sums.add_contact(contact));
             cells.iter().flatten().for_each(|(point, velocity)| sums.add_fluid(point, velocity));
-            if let Some(motion) = seen.motion {
-                motion.state().peers(seen.world).sum(&mut sums.solid);
+            if let Some(motion) = view.motion {
+                motion.state().peers(view.world).sum(&mut sums.solid);
             }
-            seen.world.sum(&mut sums.fluid);
+            view.world.sum(&mut sums.fluid);
             (slices, sums.samples(self.stress))
         });
         Ok(measured.collect())
@@ -116,27 +116,27 @@ impl ProfileFiles {
 }
 
 impl<const D: usize> Output<D> for ProfileFiles {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        let Some(motion) = seen.motion.filter(|motion| frame_due(motion, self.every)) else { return Ok(()) };
-        let measured = self.measure(seen)?;
-        seen.world.on_first_rank(|| self.store(motion.state().time, &measured))
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        let Some(motion) = view.motion.filter(|motion| frame_due(motion, self.every)) else { return Ok(()) };
+        let measured = self.measure(view)?;
+        view.world.on_first_rank(|| self.store(motion.state().time, &measured))
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
-        let setup = seen.flow.map(|flow| flow.solver.setup());
-        let begin = match seen.motion {
+    fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        let setup = view.flow.map(|flow| flow.solver.setup());
+        let begin = match view.motion {
             Some(motion) => {
                 let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
-                steady_from(seen.world, shear.as_ref(), motion.state().time, seen.history.mean())
+                steady_from(view.world, shear.as_ref(), motion.state().time, view.history.mean())
             }
             None => {
-                let measured = self.measure(seen)?;
-                seen.world.on_first_rank(|| self.store(0.0, &measured))?;
+                let measured = self.measure(view)?;
+                view.world.on_first_rank(|| self.store(0.0, &measured))?;
                 0.0
             }
         };
-        let title = seen.scene.shown_title();
-        seen.world.on_first_rank(|| {
+        let title = view.scene.shown_title();
+        view.world.on_first_rank(|| {
             let frames = self.read::<D>(begin)?;
             write_whole(&self.folder.join("profiles.csv"), ProfileFrames::csv(&frames).as_bytes())?;
             write_whole(&self.folder.join("profiles.svg"), ProfileFrames::svg(title, &frames).as_bytes())
@@ -155,9 +155,9 @@ struct Bodies<const D: usize> {
 
 impl<const D: usize> Bodies<D> {
     /// Those of an instant. Collective.
-    fn of(seen: &Evaluated<D>) -> Bodies<D> {
-        let setup = seen.flow.map(|flow| flow.solver.setup());
-        let domain = match (seen.motion, setup) {
+    fn of(view: &View<D>) -> Bodies<D> {
+        let setup = view.flow.map(|flow| flow.solver.setup());
+        let domain = match (view.motion, setup) {
             (Some(motion), _) => motion.domain().clone(),
             (None, setup) => setup.expect("an instant is one of a flow").domain.clone(),
         };
@@ -165,8 +165,8 @@ impl<const D: usize> Bodies<D> {
             Some(Drive::Shear(rate)) => SVector::from_fn(|axis, _| if axis == 0 { rate * domain.size[1] } else { 0.0 }),
             _ => domain.sliding(),
         };
-        let stresslet = |place: usize| seen.flow.map_or_else(nalgebra::SMatrix::zeros, |flow| flow.solution.bodies[place].stresslet);
-        let bodies = match (seen.motion, seen.flow) {
+        let stresslet = |place: usize| view.flow.map_or_else(nalgebra::SMatrix::zeros, |flow| flow.solution.bodies[place].stresslet);
+        let bodies = match (view.motion, view.flow) {
             (Some(motion), _) => {
                 let balls = motion.state().balls(motion.simulation.radii()).into_iter().zip(&motion.observation.twists).enumerate();
                 let body = |(place, (ball, twist)): (usize, (Ball<D>, &crate::body::Twist<D>))| ProfileBody {
@@ -189,22 +189,22 @@ impl<const D: usize> Bodies<D> {
             }
             (None, None) => Vec::new(),
         };
-        let contacts = seen.motion.map_or(Vec::new(), |motion| contacts(&motion, &domain));
+        let contacts = view.motion.map_or(Vec::new(), |motion| contacts(&motion, &domain));
         Bodies { domain, jump, bodies, contacts }
     }
 
     /// The mean radius of the bodies of all ranks; nothing without any. Collective.
-    fn mean_radius(&self, seen: &Evaluated<D>) -> Option<f64> {
+    fn mean_radius(&self, view: &View<D>) -> Option<f64> {
         let mut sums = [self.bodies.iter().map(|body| body.ball.radius).sum::<f64>(), self.bodies.len() as f64];
-        if let Some(motion) = seen.motion {
-            motion.state().peers(seen.world).sum(&mut sums);
+        if let Some(motion) = view.motion {
+            motion.state().peers(view.world).sum(&mut sums);
         }
         (sums[1] > 0.0).then(|| sums[0] / sums[1])
     }
 }
 
 /// Contacts that bear a force and are this rank's to tell. Collective.
-fn contacts<const D: usize>(motion: &EvaluatedMotion<D>, domain: &Domain<D>) -> Vec<ProfileContact<D>> {
+fn contacts<const D: usize>(motion: &MotionView<D>, domain: &Domain<D>) -> Vec<ProfileContact<D>> {
     let held = motion.held();
     let own: Vec<(Identity<D>, f64)> =
         held.iter().filter(|held| motion.state().tells(held.body)).map(|held| (held.identity(), held.force)).collect();
@@ -218,7 +218,7 @@ fn contacts<const D: usize>(motion: &EvaluatedMotion<D>, domain: &Domain<D>) -> 
 }
 
 /// Centres and velocities of the cells of this rank that no body holds. Collective.
-fn fluid_cells<const D: usize>(flow: &EvaluatedFlow<D>, bodies: &Bodies<D>) -> Result<Vec<(SVector<f64, D>, SVector<f64, D>)>> {
+fn fluid_cells<const D: usize>(flow: &FlowView<D>, bodies: &Bodies<D>) -> Result<Vec<(SVector<f64, D>, SVector<f64, D>)>> {
     let (grid, setup, fluid) = (flow.solver.grid(), flow.solver.setup(), &flow.solution.fluid);
     let velocities = CellCenters::new(grid, fluid)?.velocity(fluid)?;
     let held = inside(grid, &bodies.bodies.iter().map(|body| body.ball).collect::<Vec<_>>());

@@ -3,7 +3,7 @@
 use crate::{
     error::Result,
     output::{Progress, Summary, TimeProgress},
-    run::{Evaluated, Output},
+    run::{Output, View},
 };
 
 impl<const D: usize> Output<D> for Progress {
@@ -11,21 +11,21 @@ impl<const D: usize> Output<D> for Progress {
         self.show(iteration, residual);
     }
 
-    fn write(&mut self, _: &Evaluated<D>) -> Result<()> {
+    fn write(&mut self, _: &View<D>) -> Result<()> {
         self.end();
         Ok(())
     }
 }
 
 impl<const D: usize> Output<D> for TimeProgress {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        if let Some(motion) = &seen.motion {
-            self.show(motion.state().time, motion.state().steps, seen.history.mean());
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        if let Some(motion) = &view.motion {
+            self.show(motion.state().time, motion.state().steps, view.history.mean());
         }
         Ok(())
     }
 
-    fn finish(&mut self, _: &Evaluated<D>, _: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, _: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
         self.end();
         Ok(Vec::new())
     }

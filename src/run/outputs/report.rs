@@ -9,7 +9,7 @@ use crate::{
     error::{Error, Result},
     output::{Answer, MeanViscosity, REPORT, Standing, Summary, date, duration, note, viscosity_too_short, write_whole},
     parallel::World,
-    run::{Evaluated, Output, page::PageOfRun},
+    run::{Output, View, page::PageOfRun},
     scene::Scene,
 };
 
@@ -56,11 +56,11 @@ impl ReportFile {
 }
 
 /// What is known on the way without asking other ranks.
-fn answers_so_far<const D: usize>(seen: &Evaluated<D>, mean: Option<&MeanViscosity>) -> Vec<Answer> {
-    let Some(viscosity) = &seen.viscosity else { return Vec::new() };
+fn answers_so_far<const D: usize>(view: &View<D>, mean: Option<&MeanViscosity>) -> Vec<Answer> {
+    let Some(viscosity) = &view.viscosity else { return Vec::new() };
     let value = match mean {
         Some(mean) => format!("{:.4} ± {:.1e} so far", mean.relative, mean.half_width()),
-        None => viscosity_too_short(seen.history.points()).map_or(String::new(), |short| short.text()),
+        None => viscosity_too_short(view.history.points()).map_or(String::new(), |short| short.text()),
     };
     vec![
         Answer { name: "mean viscosity", value },
@@ -69,14 +69,14 @@ fn answers_so_far<const D: usize>(seen: &Evaluated<D>, mean: Option<&MeanViscosi
 }
 
 impl<const D: usize> Output<D> for ReportFile {
-    fn write(&mut self, seen: &Evaluated<D>) -> Result<()> {
-        let Some(motion) = seen.motion.filter(|_| self.page.is_some()) else { return Ok(()) };
-        let (state, end) = (motion.state(), seen.scene.end());
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        let Some(motion) = view.motion.filter(|_| self.page.is_some()) else { return Ok(()) };
+        let (state, end) = (motion.state(), view.scene.end());
         self.reached =
             format!("time {:.6} of {end}, step {}, after {}", state.time, state.steps, duration(motion.statistics.motion().seconds));
         if !motion.last && self.due() {
-            let mean = seen.history.mean().copied();
-            self.answers = (answers_so_far(seen, mean.as_ref()), mean);
+            let mean = view.history.mean().copied();
+            self.answers = (answers_so_far(view, mean.as_ref()), mean);
             self.renew(Standing::UnderWay);
         }
         Ok(())
@@ -86,8 +86,8 @@ impl<const D: usize> Output<D> for ReportFile {
         self.renew(Standing::Broken(error.to_string()));
     }
 
-    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
-        let html = self.page.as_ref().map_or(String::new(), |page| page.ended(summary, seen.history.mean().copied()).html());
-        Ok(vec![seen.write_file(&self.folder, REPORT, html.as_bytes())?])
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let html = self.page.as_ref().map_or(String::new(), |page| page.ended(summary, view.history.mean().copied()).html());
+        Ok(vec![view.write_file(&self.folder, REPORT, html.as_bytes())?])
     }
 }

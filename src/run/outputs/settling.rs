@@ -9,7 +9,7 @@ use std::{
 use crate::{
     error::Result,
     output::{Columns, Summary},
-    run::{Evaluated, Output},
+    run::{Output, View},
 };
 
 /// Columns of the mean velocity of free bodies.
@@ -22,9 +22,9 @@ pub struct MeanSettling {
 }
 
 impl<const D: usize> Output<D> for MeanSettling {
-    fn finish(&mut self, seen: &Evaluated<D>, summary: &mut Summary) -> Result<Vec<String>> {
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
         let settling = summary.velocities.as_mut().and_then(|velocities| velocities.settling.as_mut());
-        if let (0, Some(settling), Some(gravity)) = (seen.world.rank(), settling, &seen.scene.gravity)
+        if let (0, Some(settling), Some(gravity)) = (view.world.rank(), settling, &view.scene.gravity)
             && let Some(curve) = speed_over_time(&self.folder, gravity)
         {
             settling.attach(&curve);

@@ -10,7 +10,7 @@ use super::{
     preconditioning::Preconditioning,
     rigidity::Rigidity,
 };
-use crate::output::{Chart, Scale, Series};
+use crate::picture::{Chart, Scale, Series};
 
 /// Names of the numbers of a row in `conditioning.csv`; what does not belong to its part is left empty.
 const COLUMNS: &str = "part,dimension,preconditioner,cells,unknowns,smallest_eigenvalue,largest_eigenvalue,condition,exact_condition,\

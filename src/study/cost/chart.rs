@@ -5,7 +5,7 @@ use super::{
     format::percent,
     sequence::by_grid,
 };
-use crate::output::{Chart, Level, Mark, Notes, Scale, Series};
+use crate::picture::{Chart, Level, Mark, Notes, Scale, Series};
 
 /// The chart as an SVG document.
 pub fn svg(findings: &Findings) -> String {

@@ -1,7 +1,7 @@
 //! `cost.html`: chart, table and sentences on one page that needs nothing else.
 
 use super::{chart, findings::Findings, sensitivity::ParameterChange, table, text};
-use crate::{experiment::table::Row, output::escaped};
+use crate::{experiment::table::Row, picture::escaped};
 
 /// Light paper or dark, as the reader has it; the chart stays on light paper.
 const STYLE: &str = "\

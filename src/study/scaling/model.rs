@@ -128,6 +128,23 @@ impl Work {
     }
 }
 
+fn exchanges(sample: &Sample) -> f64 {
+    sample.measured.exchanges()
+}
+
+/// Bodies and ranks over all exchanges, and the bytes that came in gatherings.
+fn gathered(sample: &Sample) -> ([f64; 2], f64) {
+    let Sample { shares, measured } = sample;
+    ([shares.all_bodies(), shares.ranks as f64].map(|count| count * exchanges(sample)), measured.parallel.gathered.most)
+}
+
+/// Pairs looked at and those pressed over all steps, and the seconds of contacts.
+fn contacts(sample: &Sample) -> ([f64; 2], f64) {
+    let Sample { shares, measured } = sample;
+    let work = Work::of(measured);
+    ([work.steps * shares.looked_at(), work.pressed(shares)], measured.contacts)
+}
+
 impl ScalingModel {
     /// Fits measured runs; nothing if none was on more than one rank, or none on as few as there are cores.
     pub fn fit<'a>(all: impl IntoIterator<Item = &'a Sample>, cores: usize, network: Network) -> Option<ScalingModel> {
@@ -137,26 +154,16 @@ impl ScalingModel {
         if shared.is_empty() || samples.is_empty() {
             return None;
         }
-        let exchanges = |sample: &Sample| sample.measured.exchanges();
         // of what is counted, transforms are known
         let sent = |count: fn(&Sample) -> f64, known: fn(&RankShares) -> f64, unit: fn(&RankShares) -> f64| {
             let others = |sample: &Sample| (count(sample) - exchanges(sample) * known(&sample.shares)).max(0.0);
             proportion(shared.iter().map(|sample| (exchanges(sample) * unit(&sample.shares), others(sample))))
         };
-        let gathered = |sample: &&Sample| {
-            let Sample { shares, measured } = sample;
-            ([shares.all_bodies(), shares.ranks as f64].map(|count| count * exchanges(sample)), measured.parallel.gathered.most)
-        };
-        let contacts = |sample: &&Sample| {
-            let Sample { shares, measured } = sample;
-            let work = Work::of(measured);
-            ([work.steps * shares.looked_at(), work.pressed(shares)], measured.contacts)
-        };
         let sizes = all.iter().map(|sample| (sample.shares.size(), sample.measured.parallel.memory_bytes.most));
         let counted = ScalingModel {
             setup: proportion(samples.iter().map(|sample| (sample.shares.cells.most, sample.measured.setup))),
             body: proportion(samples.iter().map(|sample| (exchanges(sample) * sample.shares.bodies.most, sample.measured.bodies))),
-            contact: proportions(&samples.iter().map(contacts).collect::<Vec<_>>()),
+            contact: proportions(&samples.iter().copied().map(contacts).collect::<Vec<_>>()),
             rest: samples.iter().map(|sample| sample.measured.rest).sum::<f64>() / samples.len() as f64,
             messages: sent(
                 |sample| sample.measured.parallel.messages.most,
@@ -165,7 +172,7 @@ impl ScalingModel {
             ),
             bytes: sent(|sample| sample.measured.parallel.bytes.most, |shares| shares.transposes.bytes, |shares| shares.halo),
             collectives: sent(|sample| sample.measured.parallel.collectives.most, |_| 0.0, |_| 1.0),
-            gathered: proportions(&shared.iter().map(gathered).collect::<Vec<_>>()),
+            gathered: proportions(&shared.iter().copied().map(gathered).collect::<Vec<_>>()),
             memory: line(&sizes.collect::<Vec<_>>()),
             cell: 0.0,
             network,

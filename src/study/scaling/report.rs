@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     experiment::table::csv,
-    output::{Chart, Scale},
+    picture::{Chart, Scale},
 };
 
 /// All that the study found.

@@ -10,7 +10,8 @@ use super::{
 use crate::{
     error::Error,
     experiment::table::{Row, markdown, number, quoted},
-    output::{ParallelSummary, Series, Spread},
+    output::{ParallelSummary, Spread},
+    picture::Series,
 };
 
 /// Rows for rising numbers of ranks.

@@ -13,7 +13,7 @@ use crate::{
         store::Store,
         table::{Row, csv, markdown, quoted},
     },
-    output::{Bar, Chart, Mark, Notes, Scale, Series},
+    picture::{Bar, Chart, Mark, Notes, Scale, Series},
 };
 
 /// All points of a sweep.

@@ -10,7 +10,7 @@ use crate::{
         table::{Row, csv, markdown},
     },
     observe::statistics::{mean, standard_error},
-    output::{Bar, Chart, Mark, Notes, Scale, Series},
+    picture::{Bar, Chart, Mark, Notes, Scale, Series},
 };
 
 /// Fractions at which laws are drawn between 0 and the largest measured one.

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::{
     error::Result,
     petsc::Session,
-    run::{Answer, Quantity},
+    run::{CalibrationAnswer, EstimatedQuantity},
     validation::known::KnownScene,
 };
 
@@ -21,12 +21,12 @@ struct FlowKind {
     walls: &'static str,
     flow: &'static str,
     bodies: &'static str,
-    quantity: Quantity,
+    quantity: EstimatedQuantity,
 }
 
 /// Bodies that are free in a periodic box in shear.
 const SHEARED: FlowKind =
-    FlowKind { name: "sheared box", walls: "", flow: "drive = { shear_rate = 1.0 }", bodies: "", quantity: Quantity::Viscosity };
+    FlowKind { name: "sheared box", walls: "", flow: "drive = { shear_rate = 1.0 }", bodies: "", quantity: EstimatedQuantity::Viscosity };
 const SLIDING: &str = "y = { lower = [-1.0, 0.0], upper = [1.0, 0.0] }";
 const SLIDING_IN_SPACE: &str = "y = { lower = [-1.0, 0.0, 0.0], upper = [1.0, 0.0, 0.0] }";
 const CHANNEL: &str = "drive = { pressure_gradient = [-1.0, 0.0] }";
@@ -40,16 +40,16 @@ const AT_REST: &str = "drive = { mean_velocity = [0.0, 0.0] }";
 const PLANE: [FlowKind; 6] = [
     SHEARED,
     FlowKind { name: "Couette cell", walls: SLIDING, flow: "", ..SHEARED },
-    FlowKind { name: "channel", walls: "y = \"walls\"", flow: CHANNEL, quantity: Quantity::Velocity, ..SHEARED },
-    FlowKind { name: "fixed array", flow: CROSS_FLOW, bodies: FIXED, quantity: Quantity::Drag, ..SHEARED },
-    FlowKind { name: "closed box, stirred", walls: CLOSED, flow: "", bodies: STIRRED, quantity: Quantity::Drag },
-    FlowKind { name: "settling crowd", flow: AT_REST, bodies: "force = [0.0, -1.0]", quantity: Quantity::Velocity, ..SHEARED },
+    FlowKind { name: "channel", walls: "y = \"walls\"", flow: CHANNEL, quantity: EstimatedQuantity::Velocity, ..SHEARED },
+    FlowKind { name: "fixed array", flow: CROSS_FLOW, bodies: FIXED, quantity: EstimatedQuantity::Drag, ..SHEARED },
+    FlowKind { name: "closed box, stirred", walls: CLOSED, flow: "", bodies: STIRRED, quantity: EstimatedQuantity::Drag },
+    FlowKind { name: "settling crowd", flow: AT_REST, bodies: "force = [0.0, -1.0]", quantity: EstimatedQuantity::Velocity, ..SHEARED },
 ];
 
 const SPACE: [FlowKind; 3] = [
     FlowKind { name: "sheared box in 3D", ..SHEARED },
     FlowKind { name: "Couette cell in 3D", walls: SLIDING_IN_SPACE, flow: "", ..SHEARED },
-    FlowKind { name: "fixed array in 3D", flow: CROSS_FLOW_IN_SPACE, bodies: FIXED, quantity: Quantity::Drag, ..SHEARED },
+    FlowKind { name: "fixed array in 3D", flow: CROSS_FLOW_IN_SPACE, bodies: FIXED, quantity: EstimatedQuantity::Drag, ..SHEARED },
 ];
 
 /// The scene of a seed, with its answer; every sixth is in 3D. Collective.
@@ -117,7 +117,7 @@ fn draw(seed: u64, solid: bool) -> KnownScene {
         group(radius, large)
     );
     let name = format!("{} {seed}: {count} at {fraction:.2}, gap {gap:.2}{}", kind.name, if films { ", films" } else { "" });
-    KnownScene { name, text, answer: Answer { quantity: kind.quantity, values: Vec::new() } }
+    KnownScene { name, text, answer: CalibrationAnswer { quantity: kind.quantity, values: Vec::new() } }
 }
 
 /// A cubic lattice.
@@ -149,7 +149,11 @@ impl Lattice {
             "[domain]\nsize = [1.0, 1.0, 1.0]\n[flow]\n{CROSS_FLOW_IN_SPACE}\n[method]\ninverse = \"auto\"\n\
              [[bodies]]\nradius = {radius:?}\ncenters = {centers:?}\n{FIXED}\n"
         );
-        KnownScene { name: format!("{name} array {fraction:.3}"), text, answer: Answer { quantity: Quantity::Drag, values: Vec::new() } }
+        KnownScene {
+            name: format!("{name} array {fraction:.3}"),
+            text,
+            answer: CalibrationAnswer { quantity: EstimatedQuantity::Drag, values: Vec::new() },
+        }
     }
 }
 

@@ -84,6 +84,11 @@ fn numbers(drawn: &Drawn, units: Units, out: &Path) -> Numbers {
     let viscosity =
         ["relative", "hydrodynamic", "lubrication", "contact", "friction", "bonds", "first_normal_difference", "particle_pressure"];
     viscosity.iter().for_each(|name| add(format!("viscosity.{name}"), &summary["viscosity"][name]));
+    // parts go with the whole, as they may cancel
+    for name in ["first_normal_difference", "second_normal_difference", "particle_pressure"] {
+        let parts = summary["quantities"].as_object().into_iter().flatten().filter(|(part, _)| part.starts_with(&format!("{name}_")));
+        parts.for_each(|(_, part)| add(format!("viscosity.{name}"), &part["last"]));
+    }
     add("lubrication.smallest_gap".to_owned(), &summary["lubrication"]["smallest_gap"]);
     let bodies = summary["bodies"].as_array().cloned().unwrap_or_default();
     for body in &bodies {

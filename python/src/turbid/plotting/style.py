@@ -51,6 +51,7 @@ _LABELS = {
     "volume_error": "error of the volume, relative",
     "inclination": "inclination [rad]",
 }
+_NORMAL_STRESSES = ("first_normal_difference", "second_normal_difference", "particle_pressure")
 _PLAIN = ("orientation", "chain_orientation", "drag", "lift")
 
 
@@ -59,6 +60,9 @@ def label(name: str) -> str:
     if name in _LABELS:
         return _LABELS[name]
     words = name.replace("_", " ")
+    for whole in _NORMAL_STRESSES:
+        if name.startswith(f"{whole}_"):
+            return f"{_LABELS[whole]}, part of {name.removeprefix(f'{whole}_')}"
     if name.startswith("viscosity_"):
         return f"relative viscosity, part of {words.removeprefix('viscosity ')}"
     return words if name.startswith(_PLAIN) else f"{words} {_UNITS}"

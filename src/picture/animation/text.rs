@@ -2,7 +2,7 @@
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
-use super::super::picture::canvas::{Canvas, mix};
+use super::super::canvas::{Canvas, mix};
 
 /// Height of a letter in pixels.
 pub const HEIGHT: usize = 16;

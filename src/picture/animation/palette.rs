@@ -5,8 +5,8 @@
 
 use std::collections::HashMap;
 
-use super::super::picture::bar::Bar;
-use super::super::picture::canvas::mix;
+use super::super::bar::Bar;
+use super::super::canvas::mix;
 use super::colour::{DISTINCT, DIVERGING, SEQUENTIAL};
 use crate::scene::Colour;
 

@@ -19,7 +19,7 @@ const MOST_STEPS: usize = 30;
 
 /// Where the six nodes of a triangle lie: vertices, then the middles of the edges that begin at each.
 #[derive(Debug, Clone, Copy)]
-pub struct Shape {
+pub struct ShapeFunctions {
     points: [Vector2<f64>; 6],
 }
 
@@ -69,10 +69,10 @@ impl Sample {
     }
 }
 
-impl Shape {
+impl ShapeFunctions {
     /// The triangle with these nodes.
-    pub fn new(points: [Vector2<f64>; 6]) -> Shape {
-        Shape { points }
+    pub fn new(points: [Vector2<f64>; 6]) -> ShapeFunctions {
+        ShapeFunctions { points }
     }
 
     /// All quadrature points.
@@ -189,7 +189,7 @@ mod tests {
     fn a_collapsed_triangle_is_an_error_and_a_tiny_one_is_none() {
         let shape = |height: f64, unit: f64| {
             let points = [[0.0, 0.0], [1.0, 0.0], [0.5, height], [0.5, 0.0], [0.75, height / 2.0], [0.25, height / 2.0]];
-            Shape::new(points.map(|point| Vector2::from(point) * unit))
+            ShapeFunctions::new(points.map(|point| Vector2::from(point) * unit))
         };
         for flat in [shape(0.0, 1.0), shape(-0.5, 1.0), shape(f64::NAN, 1.0)] {
             let error = flat.samples().unwrap_err().to_string();
@@ -205,13 +205,13 @@ mod tests {
     fn a_point_of_a_curved_triangle_is_found_again() {
         let mut points = [[0.0, 0.0], [1.0, 0.1], [0.2, 0.9], [0.5, 0.0], [0.7, 0.6], [0.1, 0.45]].map(Vector2::from);
         points[4] += Vector2::new(0.05, 0.08);
-        let shape = Shape::new(points);
+        let shape = ShapeFunctions::new(points);
         assert!(shape.regular());
         let l = Vector3::new(0.1, 0.3, 0.6);
         let found = shape.locate(&shape.interpolate(&values(&l))).unwrap();
         assert!((found - l).norm() < 1e-12);
         for place in (0..1000).map(|k| Vector2::new(97.0 + 0.37 * f64::from(k), 1e3)) {
-            let small = Shape::new(points.map(|point| place + 1e-3 * point));
+            let small = ShapeFunctions::new(points.map(|point| place + 1e-3 * point));
             let found = small.locate(&small.interpolate(&values(&l))).unwrap();
             assert!((found - l).norm() < 1e-8, "{found} at {place}");
         }

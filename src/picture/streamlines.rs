@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use super::Picture;
-use crate::output::images::Window;
+use crate::picture::images::Window;
 
 /// A point or a direction in the plane.
 pub type Point = [f64; 2];

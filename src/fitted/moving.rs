@@ -59,13 +59,13 @@ impl MovingMesh {
     /// # Errors
     /// PETSc fails.
     pub fn at(&mut self, session: &Session, centers: &[Vector2<f64>]) -> Result<Mesh> {
-        let ways: Vec<Vector2<f64>> = centers.iter().zip(&self.centers).map(|(center, made)| center - made).collect();
+        let displacements: Vec<Vector2<f64>> = centers.iter().zip(&self.centers).map(|(center, made)| center - made).collect();
         let mut mesh = self.made.clone();
         for axis in 0..2 {
-            let along: Vec<f64> = ways.iter().map(|way| way[axis]).collect();
-            if along.iter().any(|&way| way != 0.0) {
+            let along: Vec<f64> = displacements.iter().map(|displacement| displacement[axis]).collect();
+            if along.iter().any(|&displacement| displacement != 0.0) {
                 let moves = self.continued(session, &along)?;
-                mesh.nodes.iter_mut().zip(moves).for_each(|(node, way)| node[axis] += way);
+                mesh.nodes.iter_mut().zip(moves).for_each(|(node, displacement)| node[axis] += displacement);
             }
         }
         for (disk, center) in mesh.disks.iter_mut().zip(centers) {
@@ -76,11 +76,11 @@ impl MovingMesh {
     }
 
     /// How far each vertex moves along an axis when disks move so far; small triangles are the stiffer.
-    fn continued(&mut self, session: &Session, ways: &[f64]) -> Result<Vec<f64>> {
+    fn continued(&mut self, session: &Session, displacements: &[f64]) -> Result<Vec<f64>> {
         let mut system = System::new(session.world(), self.unknowns);
         let made = &self.made;
         let known = |vertex: usize| match made.places[vertex] {
-            Place::Surface(disk) => ways[disk],
+            Place::Surface(disk) => displacements[disk],
             _ => 0.0,
         };
         for triangle in &made.triangles {

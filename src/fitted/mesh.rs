@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 
 use super::{
     cloud::{Cloud, Place, image_offset},
-    element::Shape,
+    element::ShapeFunctions,
 };
 use crate::{
     error::{Error, Result},
@@ -122,8 +122,8 @@ impl Mesh {
     }
 
     /// The form of a triangle.
-    pub fn shape(&self, triangle: &Triangle) -> Shape {
-        Shape::new([0, 1, 2, 3, 4, 5].map(|node| self.position(triangle, node)))
+    pub fn shape(&self, triangle: &Triangle) -> ShapeFunctions {
+        ShapeFunctions::new([0, 1, 2, 3, 4, 5].map(|node| self.position(triangle, node)))
     }
 
     /// The areas of the disks as the mesh has them: all that the triangles leave of the box.

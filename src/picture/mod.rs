@@ -1,21 +1,26 @@
-//! The picture of a suspension: speed, vorticity or a scalar as colour, streamlines, bodies in black, as one SVG text.
+//! Pictures, animations and charts, which are pure functions of what they show: no file, no mesh, no simulation is known.
 //!
-//! A [`Picture`] is a plane cut sampled on a regular grid. Everything here is a pure function of it: no file,
-//! no mesh, no simulation is known. Lengths and speeds are in the units of the simulation, `y` points up.
+//! The picture of a suspension has speed, vorticity or a scalar as colour, streamlines, bodies in black, as one SVG text. A [`Picture`] is a plane cut
+//! sampled on a regular grid. Lengths and speeds are in the units of the simulation, `y` points up.
 
+mod animation;
 mod axes;
-pub mod axis;
-pub mod bar;
-pub mod canvas;
+mod axis;
+mod bar;
+mod canvas;
+mod chart;
 pub mod colour;
 mod frame;
+mod images;
 mod raster;
 mod streamlines;
 mod svg;
 
-use super::images::Window;
 use crate::observe::{Bond, Disk, Picture};
+pub use animation::AnimationFormat;
+pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use frame::INK;
+use images::Window;
 pub use raster::base64;
 pub use svg::escaped;
 

@@ -1,4 +1,4 @@
-//! The cells around one inclusion and the links between their centres.
+//! The cells around one inclusion and the edges between their centres.
 
 use nalgebra::SVector;
 
@@ -10,40 +10,40 @@ use crate::{
 
 /// Two neighbouring cells, by their numbers in a list of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Link {
+pub struct Edge {
     /// The cells.
     pub cells: [usize; 2],
     /// Weight in a Laplacian.
     pub weight: f64,
 }
 
-/// Cells that belong to an inclusion, with the links between them.
-pub struct LinkedCells<const D: usize> {
+/// Cells that belong to an inclusion, with the edges between them.
+pub struct CellGraph<const D: usize> {
     /// Their unknowns.
     pub unknowns: Vec<usize>,
     /// Their centres, from that of the inclusion.
     pub offsets: Vec<SVector<f64, D>>,
-    /// Links, with the weights of the Laplacian.
-    pub links: Vec<Link>,
-    /// The middles of the links, from the centre of the inclusion.
+    /// Edges, with the weights of the Laplacian.
+    pub edges: Vec<Edge>,
+    /// The middles of the edges, from the centre of the inclusion.
     pub middles: Vec<SVector<f64, D>>,
 }
 
-impl<const D: usize> LinkedCells<D> {
-    /// The cells whose centres an inclusion covers, and all links between them.
+impl<const D: usize> CellGraph<D> {
+    /// The cells whose centres an inclusion covers, and all edges between them.
     pub fn covered(grid: &Grid<D>, ball: &Ball<D>) -> Self {
         let outside = |index: Index<D>| (grid.position(D, index) - ball.center).norm() > ball.radius;
-        LinkedCells::chosen(grid, ball, |ends| !ends.into_iter().any(outside))
+        CellGraph::chosen(grid, ball, |ends| !ends.into_iter().any(outside))
     }
 
-    /// The links whose boxes, from centre to centre and as wide as a cell, an inclusion touches, and the cells at their ends.
+    /// The edges whose boxes, from centre to centre and as wide as a cell, an inclusion touches, and the cells at their ends.
     pub fn touched(grid: &Grid<D>, ball: &Ball<D>) -> Self {
-        LinkedCells::chosen(grid, ball, |ends| touches(ball, &middle(grid, ends), &grid.spacing()))
+        CellGraph::chosen(grid, ball, |ends| touches(ball, &middle(grid, ends), &grid.spacing()))
     }
 
     fn chosen(grid: &Grid<D>, ball: &Ball<D>, belongs: impl Fn([Index<D>; 2]) -> bool) -> Self {
         let indices = IndexBox::around(grid, D, &ball.center, ball.radius + 2.0 * grid.spacing().max());
-        let mut found = LinkedCells { unknowns: Vec::new(), offsets: Vec::new(), links: Vec::new(), middles: Vec::new() };
+        let mut found = CellGraph { unknowns: Vec::new(), offsets: Vec::new(), edges: Vec::new(), middles: Vec::new() };
         let mut numbers = vec![None; indices.len()];
         let pairs = indices.indices().flat_map(|one| (0..D).map(move |axis| (one, axis)));
         let within = |index: Index<D>| (0..D).all(|axis| index[axis] < indices.start()[axis] + indices.extent()[axis] as isize);
@@ -51,7 +51,7 @@ impl<const D: usize> LinkedCells<D> {
             let ends = [one, moved(one, axis, 1)];
             if within(ends[1]) && belongs(ends) {
                 let cells = ends.map(|index| *numbers[indices.place(index)].get_or_insert_with(|| found.add(grid, ball, index)));
-                found.links.push(Link { cells, weight: grid.spacing()[axis].powi(-2) });
+                found.edges.push(Edge { cells, weight: grid.spacing()[axis].powi(-2) });
                 found.middles.push(middle(grid, ends) - ball.center);
             }
         }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::output::picture::{INK, axis::Axis};
+use crate::picture::{INK, axis::Axis};
 
 /// The page in pixels, and the room at its sides.
 pub const PAGE: [f64; 2] = [800.0, 450.0];
@@ -30,7 +30,7 @@ impl Scale {
 }
 
 /// Where the axes lie on the page and what they span.
-pub struct Frame {
+pub struct ChartFrame {
     /// How coordinates are drawn.
     pub scale: Scale,
     /// Edges of the axes in pixels.
@@ -42,9 +42,9 @@ pub struct Frame {
     pub y: Axis,
 }
 
-impl Frame {
+impl ChartFrame {
     /// Around points, with room for the names of lines and, if there is one, a title.
-    pub fn new(scale: Scale, [x, y]: [&[f64]; 2], names: &[&str], title: bool) -> Frame {
+    pub fn new(scale: Scale, [x, y]: [&[f64]; 2], names: &[&str], title: bool) -> ChartFrame {
         let [x, y] = match scale {
             Scale::Linear => [Axis::tight(x), Axis::loose(y)],
             Scale::Logarithmic => [Axis::decades(x), Axis::decades(y)],
@@ -54,7 +54,7 @@ impl Frame {
         let width = longest(&mut names.iter().map(|name| name.chars().count())).min(260.0);
         let right = if names.len() > 1 { 38.0 + width } else { 8.0 };
         let top = if title { 58.0 } else { SIDE };
-        Frame { scale, left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
+        ChartFrame { scale, left: SIDE + 30.0 + labels.min(120.0), right: PAGE[0] - SIDE - right, top, foot: PAGE[1] - SIDE - 40.0, x, y }
     }
 
     /// Pixels of a point.

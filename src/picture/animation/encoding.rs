@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::super::picture::canvas::Canvas;
+use super::super::canvas::Canvas;
 use super::palette::Palette;
 
 /// Least time for which viewers show a frame of a GIF, in hundredths of a second.

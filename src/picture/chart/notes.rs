@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::frame::{Frame, finite};
-use crate::output::picture::{INK, escaped};
+use super::frame::{ChartFrame, finite};
+use crate::picture::{INK, escaped};
 
 /// Radius of a mark, and of the ring around it, in pixels.
 const MARK: f64 = 4.0;
@@ -84,7 +84,7 @@ impl Notes {
     }
 
     /// The band, below everything else.
-    pub fn shades(&self, frame: &Frame) -> String {
+    pub fn shades(&self, frame: &ChartFrame) -> String {
         let Some(band) = &self.band else { return String::new() };
         let place = |x: f64, y: f64| frame.place(frame.scale.of(&(x, y)));
         let ([from, low], [to, high]) = (place(band.from_to[0], band.interval[0]), place(band.from_to[1], band.interval[1]));
@@ -115,7 +115,7 @@ impl Notes {
     }
 
     /// The levels, below the lines.
-    pub fn levels(&self, frame: &Frame) -> String {
+    pub fn levels(&self, frame: &ChartFrame) -> String {
         let mut text = String::new();
         for level in &self.levels {
             let y = frame.place(frame.scale.of(&(1.0, level.y)))[1];
@@ -140,7 +140,7 @@ impl Notes {
     }
 
     /// The marks, above the lines.
-    pub fn marks(&self, frame: &Frame, colour: impl Fn(usize) -> String) -> String {
+    pub fn marks(&self, frame: &ChartFrame, colour: impl Fn(usize) -> String) -> String {
         let mut text = String::new();
         for mark in &self.marks {
             let point = frame.scale.of(&mark.point);
@@ -170,7 +170,7 @@ impl Notes {
         text
     }
     /// The bars, above the lines.
-    pub fn bars(&self, frame: &Frame, colour: impl Fn(usize) -> String) -> String {
+    pub fn bars(&self, frame: &ChartFrame, colour: impl Fn(usize) -> String) -> String {
         let mut text = String::new();
         for bar in &self.bars {
             let ends = bar.ends.map(|end| frame.scale.of(&(bar.x, end)));
@@ -192,7 +192,7 @@ impl Notes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::{Chart, Scale, Series};
+    use crate::picture::{Chart, Scale, Series};
 
     #[test]
     fn marks_and_levels_are_drawn_where_they_can_be() {

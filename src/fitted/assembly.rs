@@ -10,7 +10,7 @@ impl StokesNumbering {
     /// A triangle has collapsed.
     pub fn assemble(&self, problem: &StokesProblem, system: &mut System) -> Result<()> {
         for triangle in &problem.mesh.triangles {
-            let parts = Parts::of(self, problem, triangle)?;
+            let parts = ElementBlocks::of(self, problem, triangle)?;
             // every triangle has a part in mean velocities
             if parts.rows().chain(self.forces.into_iter().flatten()).any(|row| system.holds(row)) {
                 parts.assemble(problem, self.forces, system);
@@ -67,7 +67,7 @@ impl StokesNumbering {
 }
 
 /// A triangle with the unknowns of its nodes.
-struct Parts {
+struct ElementBlocks {
     velocities: [[Component; 2]; 6],
     pressures: [Option<usize>; 3],
     samples: Vec<Sample>,
@@ -75,10 +75,10 @@ struct Parts {
     accelerations: Vec<Acceleration>,
 }
 
-impl Parts {
-    fn of(numbering: &StokesNumbering, problem: &StokesProblem, triangle: &Triangle) -> Result<Parts> {
+impl ElementBlocks {
+    fn of(numbering: &StokesNumbering, problem: &StokesProblem, triangle: &Triangle) -> Result<ElementBlocks> {
         let samples = problem.mesh.shape(triangle).samples()?;
-        Ok(Parts {
+        Ok(ElementBlocks {
             velocities: triangle.nodes.map(|node| numbering.velocity(problem, node)),
             pressures: [0, 1, 2].map(|vertex| numbering.pressure(triangle.nodes[vertex])),
             accelerations: samples.iter().map(|sample| problem.acceleration(triangle, sample)).collect(),

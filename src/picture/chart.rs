@@ -8,12 +8,12 @@ mod notes;
 
 use std::fmt::Write;
 
-use self::frame::{Frame, PAGE, SIDE, finite};
+use self::frame::{ChartFrame, PAGE, SIDE, finite};
 pub use self::{
     frame::Scale,
     notes::{Band, Bar, Level, Mark, Notes},
 };
-use super::picture::{INK, colour, escaped};
+use super::{INK, colour, escaped};
 
 /// Least distance of names in pixels.
 const LINE: f64 = 18.0;
@@ -76,16 +76,16 @@ impl Chart {
     }
 
     /// Axes that hold all points, levels and bars; of the points that a mean leaves out, the abscissas only.
-    fn frame(&self, notes: &Notes) -> Frame {
+    fn frame(&self, notes: &Notes) -> ChartFrame {
         let start = notes.band.as_ref().map_or(f64::NEG_INFINITY, |band| band.from_to[0]);
         let x: Vec<f64> = self.points().map(|(_, point)| point[0]).collect();
         let mut y: Vec<f64> = self.points().filter(|(x, _)| *x >= start).map(|(_, point)| point[1]).collect();
         y.extend(notes.extent().map(|point| self.scale.of(&point)).filter(finite).map(|point| point[1]));
         let names: Vec<&str> = self.series.iter().map(|series| series.name.as_str()).collect();
-        Frame::new(self.scale, [&x, &y], &names, !self.title.is_empty())
+        ChartFrame::new(self.scale, [&x, &y], &names, !self.title.is_empty())
     }
 
-    fn words(&self, frame: &Frame) -> String {
+    fn words(&self, frame: &ChartFrame) -> String {
         let [left, right] = [frame.left, frame.right];
         let [title, x, y] = [&self.title, &self.x, &self.y].map(|text| escaped(text));
         let middle = (frame.top + frame.foot) / 2.0;
@@ -100,7 +100,7 @@ impl Chart {
     }
 
     /// The pieces of a line between values that are not finite; a lonely point becomes a dot, a stroke without length.
-    fn line(&self, k: usize, frame: &Frame) -> String {
+    fn line(&self, k: usize, frame: &ChartFrame) -> String {
         let points: Vec<[f64; 2]> = self.series[k].points.iter().map(|point| self.scale.of(point)).collect();
         let path: String = points.split(|point| !finite(point)).map(|piece| frame.path(piece)).collect();
         let width = if k == 0 { 2.4 } else { 1.8 };
@@ -117,7 +117,7 @@ impl Chart {
     }
 
     /// The names at the heights where their lines end, moved apart where they would touch.
-    fn names(&self, frame: &Frame) -> String {
+    fn names(&self, frame: &ChartFrame) -> String {
         let mut text = String::new();
         if self.series.len() < 2 {
             return text;
@@ -131,7 +131,7 @@ impl Chart {
     }
 
     /// The number of each line and the height in pixels of its last point, from the top down.
-    fn ends(&self, frame: &Frame) -> Vec<(usize, f64)> {
+    fn ends(&self, frame: &ChartFrame) -> Vec<(usize, f64)> {
         let end =
             |series: &Series| series.points.iter().rev().map(|point| self.scale.of(point)).find(finite).map(|point| frame.place(point)[1]);
         let mut ends: Vec<(usize, f64)> = self.series.iter().map(|series| end(series).unwrap_or(frame.foot)).enumerate().collect();
@@ -141,7 +141,7 @@ impl Chart {
 }
 
 /// Heights from the top down, each at least a line below the one before and none below the axes.
-fn apart(mut ends: Vec<(usize, f64)>, frame: &Frame) -> Vec<(usize, f64)> {
+fn apart(mut ends: Vec<(usize, f64)>, frame: &ChartFrame) -> Vec<(usize, f64)> {
     for k in 1..ends.len() {
         ends[k].1 = ends[k].1.max(ends[k - 1].1 + LINE);
     }
@@ -223,7 +223,7 @@ mod tests {
         let mut chart = chart(&[&[(1.0, 20.0), (4096.0, 0.01), (3.0, 0.0), (-1.0, 2.0)]]);
         chart.scale = Scale::Logarithmic;
         assert_sound(&chart);
-        let labels = |axis: crate::output::picture::axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
+        let labels = |axis: crate::picture::axis::Axis| axis.ticks().iter().map(|&tick| axis.label(tick)).collect::<Vec<_>>();
         assert_eq!(labels(chart.frame(&Notes::default()).x), ["1", "10", "100", "1000"]);
         chart.series.clear();
         assert_sound(&chart);

@@ -10,10 +10,10 @@ mod text;
 
 use std::io::{self, Write};
 
+use super::bar::Bar;
+use super::canvas::Canvas;
+use super::colour;
 use super::images::Window;
-use super::picture::bar::Bar;
-use super::picture::canvas::Canvas;
-use super::picture::colour;
 use crate::{
     observe::{AnimatedDisk, AnimationFrame, Bond, Film, FlowCut},
     scene::Colour,

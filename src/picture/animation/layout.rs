@@ -2,7 +2,7 @@
 
 use super::{palette, text};
 use crate::observe::Film;
-use crate::output::picture::{
+use crate::picture::{
     bar::{Bar, round_step},
     canvas::Canvas,
 };

@@ -3,14 +3,14 @@
 use std::fmt::Write;
 
 use super::axis::Axis;
-use super::frame::{Frame, INK};
+use super::frame::{INK, PictureFrame};
 
 /// Length of a tick, and the distance of its number from the box, beyond the wall.
 const TICK: f64 = 5.0;
 const NUMBER: f64 = 8.0;
 
 /// Ticks, numbers and names.
-pub fn axes(names: [&str; 2], size: [f64; 2], frame: &Frame) -> String {
+pub fn axes(names: [&str; 2], size: [f64; 2], frame: &PictureFrame) -> String {
     let [across, up] = size.map(|length| Axis::tight(&[0.0, length]));
     let foot = frame.top + frame.size[1] + frame.wall;
     let (mut ticks, mut words) = (String::new(), String::new());

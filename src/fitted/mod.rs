@@ -21,7 +21,7 @@ mod system;
 mod tests;
 
 pub use cloud::Place;
-pub use element::{Sample, Shape};
+pub use element::{Sample, ShapeFunctions};
 pub use generate::generate;
 pub use grading::EdgeLengths;
 pub use inertia::{Acceleration, DiskInertia, MeshInertia};

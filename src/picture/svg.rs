@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::axes::axes;
 use super::bar::Bar;
 use super::colour::{distinct, hexadecimal};
-use super::frame::{AXIS, BAR_ROOM, Frame, INK, LARGEST, SIDE, WALL};
+use super::frame::{AXIS, BAR_ROOM, INK, LARGEST, PictureFrame, SIDE, WALL};
 use super::streamlines::{Point, pieces, separation, streamlines};
 use super::{Disk, Picture, raster};
 
@@ -15,7 +15,7 @@ const RASTER_WIDTH: f64 = 450.0;
 
 /// The whole document.
 pub fn drawing(picture: &Picture) -> String {
-    let frame = Frame::new(picture);
+    let frame = PictureFrame::new(picture);
     let bar = bar(picture);
     let [width, height] = frame.page;
     let mut svg = format!(
@@ -42,7 +42,7 @@ fn bar(picture: &Picture) -> Bar {
     if picture.signed { Bar::signed(&picture.coloured, picture.least) } else { Bar::new(&picture.coloured, picture.least) }
 }
 
-fn definitions(frame: &Frame, bar: &Bar) -> String {
+fn definitions(frame: &PictureFrame, bar: &Bar) -> String {
     let colour = |part: f64| format!("<stop offset=\"{part}\" stop-color=\"{}\"/>", bar.colours().hexadecimal(part));
     let stop = |k: u32| colour(f64::from(k) / 16.0);
     let stops: String = (0..=16).map(stop).collect();
@@ -54,7 +54,7 @@ fn definitions(frame: &Frame, bar: &Bar) -> String {
 }
 
 /// Title, subtitle and legend.
-fn words(picture: &Picture, frame: &Frame) -> String {
+fn words(picture: &Picture, frame: &PictureFrame) -> String {
     let fitting = |text: &str, largest: f64| (1.75 * (frame.page[0] - 2.0 * SIDE) / text.chars().count().max(1) as f64).clamp(6.0, largest);
     let mut text = String::new();
     if !picture.title.is_empty() {
@@ -81,14 +81,14 @@ pub fn escaped(text: &str) -> String {
     plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
-fn field(picture: &Picture, frame: &Frame, bar: &Bar) -> String {
+fn field(picture: &Picture, frame: &PictureFrame, bar: &Bar) -> String {
     let density = RASTER_WIDTH / (LARGEST[0] - AXIS[0] - BAR_ROOM);
     let pixels = frame.size.map(|length| (length * density).round().max(1.0) as usize);
     let image = raster::data_uri(picture, pixels, bar);
     format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
 }
 
-fn lines(picture: &Picture, frame: &Frame) -> String {
+fn lines(picture: &Picture, frame: &PictureFrame) -> String {
     let moves = |velocity: &Point| velocity[0].hypot(velocity[1]) > picture.least_speed;
     if !picture.velocity.iter().any(moves) {
         return String::new();
@@ -104,7 +104,7 @@ fn lines(picture: &Picture, frame: &Frame) -> String {
     )
 }
 
-fn path(points: &[Point], frame: &Frame) -> String {
+fn path(points: &[Point], frame: &PictureFrame) -> String {
     let mut text = String::new();
     for (index, &point) in points.iter().enumerate() {
         let [x, y] = frame.place(point);
@@ -115,7 +115,7 @@ fn path(points: &[Point], frame: &Frame) -> String {
 }
 
 /// Arrow heads along a line, one in the middle of every ten separations.
-fn arrows(picture: &Picture, frame: &Frame, line: &[Point]) -> Vec<String> {
+fn arrows(picture: &Picture, frame: &PictureFrame, line: &[Point]) -> Vec<String> {
     let count = (line.len() / 100).max(usize::from(line.len() > 24));
     let head = |k: usize| {
         let index = ((2 * k + 1) * line.len() / (2 * count)).clamp(1, line.len() - 1);
@@ -134,7 +134,7 @@ fn arrow(before: Point, tip: Point, length: f64) -> String {
     format!("M{}L{} {} {}Z", point(0.6, 0.0), point(-0.4, 0.38), point(-0.2, 0.0), point(-0.4, -0.38))
 }
 
-fn ties(picture: &Picture, frame: &Frame) -> String {
+fn ties(picture: &Picture, frame: &PictureFrame) -> String {
     let lines = strokes(picture.ties(&picture.bonds), frame);
     if lines.is_empty() { lines } else { format!("<g fill=\"none\" stroke=\"{INK}\">\n{lines}</g>\n") }
 }
@@ -142,13 +142,13 @@ fn ties(picture: &Picture, frame: &Frame) -> String {
 /// Colour of contact forces, light and dark.
 const FORCE: &str = "#ff5a1f";
 
-fn contacts(picture: &Picture, frame: &Frame) -> String {
+fn contacts(picture: &Picture, frame: &PictureFrame) -> String {
     let lines = strokes(picture.ties(&picture.contacts), frame);
     let style = format!("<g fill=\"none\" stroke=\"{FORCE}\" stroke-linecap=\"round\">");
     if lines.is_empty() { lines } else { format!("{style}\n{lines}</g>\n") }
 }
 
-fn strokes(lines: Vec<([Point; 2], f64)>, frame: &Frame) -> String {
+fn strokes(lines: Vec<([Point; 2], f64)>, frame: &PictureFrame) -> String {
     let line = |(ends, width): ([Point; 2], f64)| {
         let width = (width * frame.scale).max(0.5);
         format!("<path d=\"{}\" stroke-width=\"{width:.1}\"/>\n", path(&ends, frame))
@@ -159,13 +159,13 @@ fn strokes(lines: Vec<([Point; 2], f64)>, frame: &Frame) -> String {
 /// Most bodies that are drawn as circles; more of them become an image of a pixel a pixel.
 const MOST_CIRCLES: usize = 10_000;
 
-fn bodies(picture: &Picture, frame: &Frame) -> String {
+fn bodies(picture: &Picture, frame: &PictureFrame) -> String {
     let disks = picture.disks();
     if disks.len() > MOST_CIRCLES { many_circles(&disks, frame) } else { circles(&disks, picture.least_speed, frame) }
 }
 
 /// Bodies too many to be told apart.
-fn many_circles(disks: &[Disk], frame: &Frame) -> String {
+fn many_circles(disks: &[Disk], frame: &PictureFrame) -> String {
     let pixels = frame.size.map(|length| length.round().max(1.0) as usize);
     let place = |disk: &Disk| {
         let [x, y] = frame.place(disk.center);
@@ -175,7 +175,7 @@ fn many_circles(disks: &[Disk], frame: &Frame) -> String {
     format!("<image {} preserveAspectRatio=\"none\" href=\"{image}\"/>\n", frame.rectangle())
 }
 
-fn circles(disks: &[Disk], least_speed: f64, frame: &Frame) -> String {
+fn circles(disks: &[Disk], least_speed: f64, frame: &PictureFrame) -> String {
     let largest = disks.iter().map(|disk| disk.radius * frame.scale).fold(0.0, f64::max);
     let outline = (0.08 * largest).clamp(0.25, 1.2);
     let fastest = disks.iter().map(speed).filter(|speed| speed.is_finite()).fold(least_speed, f64::max);
@@ -192,7 +192,7 @@ fn circles(disks: &[Disk], least_speed: f64, frame: &Frame) -> String {
 }
 
 /// A stroke from the center along the velocity, none where it would be too small to be seen.
-fn tick(disk: &Disk, frame: &Frame, fastest: f64) -> Option<String> {
+fn tick(disk: &Disk, frame: &PictureFrame, fastest: f64) -> Option<String> {
     let part = 0.8 * disk.radius / fastest;
     let length = part * speed(disk) * frame.scale;
     let end = [disk.center[0] + part * disk.velocity[0], disk.center[1] + part * disk.velocity[1]];
@@ -204,7 +204,7 @@ fn speed(disk: &Disk) -> f64 {
 }
 
 /// Thick walls outside the box, and a thin line where it repeats.
-fn edges(picture: &Picture, frame: &Frame) -> String {
+fn edges(picture: &Picture, frame: &PictureFrame) -> String {
     let [width, height] = frame.size;
     let mut text = format!("<rect {} fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n", frame.rectangle());
     let reach = picture.walls.map(|wall| if wall { WALL } else { 0.4 });
@@ -223,7 +223,7 @@ fn edges(picture: &Picture, frame: &Frame) -> String {
     text
 }
 
-fn colour_bar(quantity: &str, frame: &Frame, bar: &Bar) -> String {
+fn colour_bar(quantity: &str, frame: &PictureFrame, bar: &Bar) -> String {
     let [x, y] = [frame.left + frame.size[0] + 26.0, frame.top];
     let height = frame.size[1];
     let mut text = format!(
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn the_page_keeps_to_its_largest_size() {
         for size in [[4.0, 1.0], [1.0, 1.0], [1.0, 4.0]] {
-            let page = Frame::new(&Picture { size, ..uniform_flow([1.0, 0.0]) }).page;
+            let page = PictureFrame::new(&Picture { size, ..uniform_flow([1.0, 0.0]) }).page;
             assert!(page[0] <= LARGEST[0] && page[1] <= LARGEST[1], "{page:?}");
         }
     }
@@ -351,7 +351,7 @@ mod tests {
         let count = |periodic: [bool; 2]| {
             edges(
                 &Picture { walls: periodic.map(|periodic| !periodic), ..uniform_flow([1.0, 0.0]) },
-                &Frame::new(&uniform_flow([1.0, 0.0])),
+                &PictureFrame::new(&uniform_flow([1.0, 0.0])),
             )
             .matches("<rect")
             .count()

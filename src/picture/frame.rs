@@ -14,7 +14,7 @@ pub const WALL: f64 = 6.0;
 pub const INK: &str = "#14171f";
 
 /// Where the box lies on the page, in pixels.
-pub struct Frame {
+pub struct PictureFrame {
     pub page: [f64; 2],
     pub left: f64,
     pub top: f64,
@@ -24,7 +24,7 @@ pub struct Frame {
     pub scale: f64,
 }
 
-impl Frame {
+impl PictureFrame {
     pub fn new(picture: &Picture) -> Self {
         let top = match (picture.title.is_empty(), picture.subtitle.is_empty() && picture.legend.is_empty()) {
             (true, true) => SIDE,
@@ -36,7 +36,7 @@ impl Frame {
         let size = picture.size.map(|length| (length * scale).max(1.0));
         let page = [(size[0] + AXIS[0] + BAR_ROOM).max(LEAST_WIDTH), size[1] + top + AXIS[1]].map(f64::ceil);
         let wall = if picture.walls == [false, false] { 0.0 } else { WALL };
-        Frame { page, left: AXIS[0], top, size, wall, scale }
+        PictureFrame { page, left: AXIS[0], top, size, wall, scale }
     }
 
     pub fn place(&self, x: [f64; 2]) -> [f64; 2] {

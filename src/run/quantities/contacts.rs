@@ -1,0 +1,79 @@
+//! Contacts, and how well their laws were kept in the step that led here.
+
+use crate::{
+    contact::{FrictionReport, KktReport, Solver},
+    run::{
+        quantity::{Finite, Quantity},
+        view::View,
+    },
+    scene::ContactModel,
+};
+
+/// Forces of contacts and the quadratic program.
+pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
+    let gap = "smallest gap between bodies, or of a body to a wall; negative: overlap; empty: no two are near";
+    vec![
+        Quantity::new("contacts", "", "contacts that bear a force or stick", |view| {
+            contact(view).and_then(|_| Some(view.contacts()?.held))
+        }),
+        Quantity::new("stuck", "", "contacts that stick (`gluey`)", |view| contact(view)?.gluey().then(|| Some(view.contacts()?.stuck))?),
+        Quantity::new("smallest_gap", "radii of the smaller body", gap, |view| {
+            contact(view).map(|_| Finite(kept(view).map_or(f64::INFINITY, |kept| kept.smallest_gap)))
+        }),
+        Quantity::new("kkt_residual", "", "residual of the optimality conditions of the contact problem", |view| {
+            projected(view).map(|kept| kept.map_or(0.0, |kept| kept.kkt_residual))
+        })
+        .of_run(),
+        Quantity::new("contact_force", "force", "sum of the contact forces; those that push are positive", |view| {
+            projected(view).map(|kept| kept.map_or(0.0, |kept| kept.total_force))
+        }),
+        Quantity::new("contact_iterations", "", "iterations of the contact solver", |view| {
+            projected(view).map(|kept| kept.map_or(0, |kept| kept.iterations))
+        })
+        .of_run(),
+        Quantity::new(
+            "contact_solver",
+            "",
+            "which solver of contacts: 0 a formula, 1 parts of islands by the sparse interior point and active set, 2 clarabel",
+            |view| projected(view).map(|kept| kept.map_or(Solver::Formula, |kept| kept.solver) as usize),
+        )
+        .of_run(),
+    ]
+}
+
+/// The law of friction.
+pub fn friction<const D: usize>() -> Vec<Quantity<D>> {
+    let residual = "residual of the law of friction in the step that led here";
+    vec![
+        Quantity::new("friction_residual", "ratio", residual, |view| Some(slid(view)?.residual)).of_run(),
+        Quantity::new("sticking", "", "contacts that press and do not slide", |view| Some(slid(view)?.sticking)),
+        Quantity::new("slipping", "", "contacts that press and slide", |view| Some(slid(view)?.slipping)),
+        Quantity::new("contact_work", "energy; 2D: energy/length", "work of contact forces on free bodies in the step", |view| {
+            Some(slid(view)?.work)
+        }),
+        Quantity::new("friction_sweeps", "", "most sweeps over an island with friction", |view| Some(slid(view)?.sweeps)).of_run(),
+        Quantity::new("friction_iterations", "", "most iterations of the interior point on one", |view| Some(slid(view)?.iterations))
+            .of_run(),
+    ]
+}
+
+/// The contact model of a run in time, if there is one.
+fn contact<const D: usize>(view: &View<D>) -> Option<ContactModel> {
+    view.motion.map(|_| view.scene.contact.model).filter(|model| *model != ContactModel::None)
+}
+
+/// How contacts were kept in the last step, if there was one.
+fn kept<const D: usize>(view: &View<D>) -> Option<KktReport> {
+    view.motion?.statistics.last()?.kkt_report
+}
+
+/// The same where velocities are projected.
+fn projected<const D: usize>(view: &View<D>) -> Option<Option<KktReport>> {
+    matches!(contact(view)?, ContactModel::Inelastic | ContactModel::Gluey { .. }).then(|| kept(view))
+}
+
+/// How friction was kept, where there is friction.
+fn slid<const D: usize>(view: &View<D>) -> Option<FrictionReport> {
+    view.motion.filter(|_| view.scene.contact.friction != 0.0)?;
+    Some(kept(view).and_then(|kept| kept.friction).unwrap_or_default())
+}
