@@ -219,13 +219,14 @@ fn followed(flow: &mut UnsteadySuspension<2>, fluid: Vector, (end, steps): (f64,
     let start = Level {
         time: 0.0,
         fluid,
+        smooth: multipliers.clone(),
         slow: multipliers.clone(),
         multipliers,
         centers,
         twists,
         spin_ups: Vec::new(),
         impulses: Vec::new(),
-        resolved: Vec::new(),
+        resolved: 0.0,
     };
     flow.restore(History { levels: vec![start], ..History::default() }).unwrap();
     let step = |step: usize| flow.solve_at(&configuration(&[], end * step as f64 / steps as f64), &mut |_, _| {}).unwrap().fluid;
@@ -528,10 +529,10 @@ fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session)
     let copies = whole.levels().into_iter().map(|level| {
         let mut fluid = level.fluid.like().unwrap();
         fluid.copy_from(&level.fluid).unwrap();
-        let Level { time, multipliers, slow, centers, twists, spin_ups, impulses, resolved, .. } = level;
+        let Level { time, multipliers, smooth, slow, centers, twists, spin_ups, impulses, resolved, .. } = level;
         let (multipliers, centers, twists) = (multipliers.clone(), centers.clone(), twists.clone());
-        let (slow, spin_ups, impulses, resolved) = (slow.clone(), spin_ups.clone(), impulses.clone(), resolved.clone());
-        Level { time: *time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved }
+        let (smooth, slow, spin_ups, impulses, resolved) = (smooth.clone(), slow.clone(), spin_ups.clone(), impulses.clone(), *resolved);
+        Level { time: *time, fluid, multipliers, smooth, slow, centers, twists, spin_ups, impulses, resolved }
     });
     let mut resumed = flow();
     resumed.restore(History { levels: copies.collect(), ..History::default() }).unwrap();

@@ -33,6 +33,8 @@ pub struct Past<'a, const D: usize> {
     pub weights: StepWeights,
     /// Of the convection of the levels.
     pub convection: [f64; 3],
+    /// Of what viscous fluxes lack, of the last two.
+    pub viscous: [f64; 2],
     /// Mass per volume over viscosity.
     pub inverse_diffusivity: f64,
     /// Part of what the inside is not as it should be that is kept.
@@ -51,9 +53,9 @@ impl<const D: usize> Past<'_, D> {
     pub fn rows(&self, grid: &Grid<D>, body_types: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (place, (_, extended)) in self.levels.iter().enumerate() {
-            let [history, convection] = self.factors(place);
-            let weighed =
-                [(history, &extended.velocity), (convection, &extended.convection)].into_iter().filter(|(factor, _)| *factor != 0.0);
+            let fields = [Some(&extended.velocity), Some(&extended.convection), extended.viscous.as_ref()];
+            let weighed = self.factors(place).into_iter().zip(fields).filter(|(factor, _)| *factor != 0.0);
+            let weighed = weighed.filter_map(|(factor, field)| Some((factor, field?)));
             match self.followed(grid, place, &rows)? {
                 Some(mut followed) => {
                     for (factor, field) in weighed {
@@ -125,10 +127,11 @@ impl<const D: usize> Past<'_, D> {
         points.iter().map(followed).collect()
     }
 
-    /// What a velocity and its convection of a level weigh.
-    fn factors(&self, level: usize) -> [f64; 2] {
+    /// What a velocity, its convection and what its viscous flux lacks weigh of a level.
+    fn factors(&self, level: usize) -> [f64; 3] {
         let rate = self.weights.rate.get(level + 1).copied().unwrap_or(0.0);
-        [rate, self.convection[level]].map(|weight| -weight * self.inverse_diffusivity)
+        let [history, convection] = [rate, self.convection[level]].map(|weight| -weight * self.inverse_diffusivity);
+        [history, convection, self.viscous.get(level).copied().unwrap_or(0.0)]
     }
 
     fn replace_inside(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
@@ -138,7 +141,7 @@ impl<const D: usize> Past<'_, D> {
         let mut wanted: Vec<f64> = scatter.fetch(rows)?.iter().map(|row| -row).collect();
         let mut deviations = vec![0.0; points.len()];
         for (level, (at, extended)) in self.levels.iter().enumerate() {
-            let [history, convection] = self.factors(level);
+            let [history, convection, viscous] = self.factors(level);
             let mut followed;
             let scatter = if grid.domain().slide().is_some() {
                 followed = Scatter::new(rows, &self.followed_points(grid, level, &points))?;
@@ -146,8 +149,11 @@ impl<const D: usize> Past<'_, D> {
             } else {
                 &mut scatter
             };
-            let carried = scatter.fetch(extended.inside())?;
-            wanted.iter_mut().zip(carried).for_each(|(wanted, carried)| *wanted += convection * carried);
+            for (factor, field) in [(convection, Some(extended.inside())), (viscous, extended.viscous.as_ref())] {
+                if let Some(field) = field.filter(|_| factor != 0.0) {
+                    wanted.iter_mut().zip(scatter.fetch(field)?).for_each(|(wanted, value)| *wanted += factor * value);
+                }
+            }
             if history != 0.0 {
                 let of_level = at.deviations(body_types, &points, scatter.fetch(&at.fluid)?);
                 for (((wanted, deviation), point), of_level) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(of_level) {

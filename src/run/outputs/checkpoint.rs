@@ -136,13 +136,14 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     store_fluid(writer, grid, name, &level.fluid)?;
     writer.shared(&format!("{name}_time"), &[level.time])?;
     writer.shared(&format!("{name}_multipliers"), &level.multipliers.concat())?;
+    writer.shared(&format!("{name}_smooth"), &level.smooth.concat())?;
     writer.shared(&format!("{name}_slow"), &level.slow.concat())?;
     writer.shared(&format!("{name}_centers"), &flat(&level.centers))?;
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
     writer.shared(&format!("{name}_twists"), &twists)?;
     writer.shared(&format!("{name}_spin_ups"), &level.spin_ups.concat())?;
     writer.shared(&format!("{name}_impulses"), &flat(&level.impulses))?;
-    writer.shared(&format!("{name}_resolved"), &level.resolved)
+    writer.shared(&format!("{name}_resolved"), &[level.resolved])
 }
 
 fn read_level<const D: usize>(
@@ -166,17 +167,19 @@ fn read_level<const D: usize>(
         own.filter(|_| rest.is_empty()).ok_or_else(|| misfit(what))
     };
     let twist = |numbers: &[f64]| Twist { velocity: SVector::from_column_slice(&numbers[..D]), spin: skew(&numbers[D..]) };
-    let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
+    let number = |what: &str| checkpoint.shared(&format!("{name}_{what}"))?.first().copied().ok_or_else(|| misfit(what));
+    let (time, resolved) = (number("time")?, number("resolved")?);
     Ok(Level {
         time,
         fluid,
         multipliers: by_body("multipliers")?,
+        smooth: by_body("smooth")?,
         slow: by_body("slow")?,
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
         impulses: numbers("impulses", D)?.chunks(D).map(SVector::from_column_slice).collect(),
-        resolved: numbers("resolved", 1)?,
+        resolved,
     })
 }
 
