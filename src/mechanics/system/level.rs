@@ -67,8 +67,6 @@ pub struct Extended<const D: usize> {
     pub convection: Vector,
     /// That of rows inside, where it is another one.
     pub inside: Option<Vector>,
-    /// What its viscous flux beside surfaces lacks, with the other sign, over viscosity.
-    pub viscous: Option<Vector>,
     /// Sums over the grid of the velocity that is not extended, and of its convection in flux form.
     pub sums: [SVector<f64, D>; 2],
 }

@@ -15,7 +15,6 @@
 
 use nalgebra::SVector;
 
-use super::viscous_flux::viscous_defect;
 use crate::{
     error::Result,
     flow::{Convection, fastest},
@@ -48,17 +47,16 @@ impl<const D: usize> Level<D> {
         convection.evaluate(&self.fluid, &mut carried)?;
         let sums = [sums(convection.grid(), &self.fluid)?, sums(convection.grid(), &carried)?];
         let Some(band) = band else {
-            return Ok(Extended { velocity: self.fluid.copied()?, convection: carried, inside: None, viscous: None, sums });
+            return Ok(Extended { velocity: self.fluid.copied()?, convection: carried, inside: None, sums });
         };
         let mut scatter = Scatter::new(&self.fluid, &band.places)?;
         let velocity = self.with_jumps(&mut scatter, &band.whole)?;
-        let viscous = Some(viscous_defect(convection.grid(), &velocity, &band.near)?);
         if !self.moves() {
-            return Ok(Extended { velocity, convection: carried, inside: None, viscous, sums });
+            return Ok(Extended { velocity, convection: carried, inside: None, sums });
         }
         let inside = self.inside(&band.near, &carried, convection)?;
         self.add_linear(band, &mut scatter, convection, &mut carried)?;
-        Ok(Extended { velocity, convection: carried, inside: Some(inside), viscous, sums })
+        Ok(Extended { velocity, convection: carried, inside: Some(inside), sums })
     }
 
     /// Whether any body does.

@@ -210,7 +210,6 @@ impl<const D: usize> UnsteadySuspension<D> {
         let extended = level.extended(band.as_ref(), &mut self.convection)?;
         self.past.insert(place, (level, extended));
         self.past.truncate(LEVELS);
-        self.past.iter_mut().skip(2).for_each(|(_, extended)| extended.viscous = None);
         Ok(())
     }
 

@@ -27,10 +27,10 @@ impl StepWeights {
         StepWeights { step, rate: rate.map(|weight| weight / step), extrapolation: [1.0 + ratio, -ratio] }
     }
 
-    /// Weights of the last value and the one before of a part of the viscous flux that is known, in that of a step in which viscosity passes so many `cells`, squared. In longer
-    /// steps what is extrapolated would grow, and there the last value does.
+    /// Weights of the last flow and the one before in that of which a part of the viscous flux is taken, in a step in which viscosity passes so many `cells`, squared. In longer
+    /// steps what is extrapolated would grow, and the last flow alone says it well enough.
     pub fn of_known_flux(&self, cells: f64) -> [f64; 2] {
-        let change = self.extrapolation[1] / (1.0 + cells);
+        let change = self.extrapolation[1] / (1.0 + 10.0 * cells);
         [1.0 - change, change]
     }
 
