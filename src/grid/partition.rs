@@ -73,7 +73,7 @@ impl<const D: usize> Block<D> {
     }
 
     /// The index at a place in the block.
-    fn index(&self, mut offset: usize) -> [usize; D] {
+    pub fn index(&self, mut offset: usize) -> [usize; D] {
         let mut index = [0; D];
         for axis in (0..D).rev() {
             let extent = self.end[axis] - self.start[axis];

@@ -5,7 +5,7 @@
 //! the tangential traction counts: the pressure of a step comes from its convection, and would come back into the next one larger. Methods without
 //! jump functions take the field on the grid as it is.
 //!
-//! Jump functions are those of slow multipliers, the means over the time in which viscosity passes half a cell. In steps shorter than that a multiplier moves the
+//! Jump functions are those of means of multipliers over the time in which viscosity passes a third of a cell. In steps shorter than that a multiplier moves the
 //! grid's velocity by `h^2 / (nu dt)` times less than its jump function says, so that what is wrong by rounding or a coarse grid would grow from
 //! step to step where a body passes points: a disk that moves half a cell a step at 36 for the Reynolds number of a cell was unstable.
 
@@ -44,7 +44,9 @@ pub struct Level<const D: usize> {
     pub fluid: Vector,
     /// Multipliers, body by body; none where the method has no jump functions.
     pub multipliers: Vec<Vec<f64>>,
-    /// Their means over the time in which viscosity passes part of a cell.
+    /// Their means over the time in which viscosity passes a third of a cell, of which jump functions are.
+    pub smooth: Vec<Vec<f64>>,
+    /// Their means over the time in which viscosity passes half a cell, by which surfaces in thin gaps are damped.
     pub slow: Vec<Vec<f64>>,
     /// Centres of the bodies, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,
@@ -54,8 +56,8 @@ pub struct Level<const D: usize> {
     pub spin_ups: Vec<Vec<f64>>,
     /// The impulse that contacts gave each of them in the step that led here, and its moment.
     pub impulses: Vec<Wrench<D>>,
-    /// The part of their jumps that convection sees, a mean over some time; until the level is past that of the one before.
-    pub resolved: Vec<f64>,
+    /// The part of jumps that convection sees, none at the start; until the level is past that of the one before.
+    pub resolved: f64,
 }
 
 /// What a step takes of a level.
@@ -93,7 +95,6 @@ pub struct Near {
 #[derive(Default)]
 pub struct Band {
     pub places: Vec<usize>,
-    pub bodies: Vec<usize>,
     /// By the whole traction.
     pub whole: Vec<f64>,
     /// By its tangential part.
@@ -107,7 +108,7 @@ pub struct Band {
 impl<const D: usize> Level<D> {
     /// The jumps of a component of the velocity, outside minus inside, at offsets from the centre of a body, none in its core; one after the other.
     pub fn jumps_at(&self, body_types: &BodyTypes<D>, body: usize, offsets: &[f64], component: usize) -> Vec<f64> {
-        let (modes, coefficients) = (&body_types.surface(body).modes, self.coefficients(body, &self.slow[body]));
+        let (modes, coefficients) = (&body_types.surface(body).modes, self.coefficients(body, &self.smooth[body]));
         let count = modes.jump_count();
         let mut jumps = vec![0.0; offsets.len() / D * count];
         modes.velocity_jumps(offsets, component, &mut jumps);
@@ -134,7 +135,7 @@ impl<const D: usize> Level<D> {
     /// # Errors
     /// PETSc fails.
     pub fn band(&self, grid: &Grid<D>, body_types: &BodyTypes<D>) -> Result<Band> {
-        Ok(Band { near: self.near(grid, body_types)?, ..self.jumps(grid, body_types, &self.slow) })
+        Ok(Band { near: self.near(grid, body_types)?, ..self.jumps(grid, body_types, &self.smooth) })
     }
 
     /// The jumps in bodies by these multipliers of all of them.
@@ -182,7 +183,6 @@ impl<const D: usize> Level<D> {
         each_inside(grid, &self.centers[body], radius, |Point { component, place, offset, .. }| {
             if offset.norm() >= deepest {
                 band.places.push(place);
-                band.bodies.push(body);
                 offsets[component].extend_from_slice(offset.as_slice());
             }
         });

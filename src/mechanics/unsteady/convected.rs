@@ -10,8 +10,8 @@
 //! inside    (1 - theta) N(u) + theta [N(R) + N(w)],    N(R) + N(w) = [N(u) + N(2 R - u)] / 2
 //! ```
 //!
-//! What is linear in `w` sees the jump; what is quadratic does not need it. Where the layer on a surface is thinner than a cell, as after a sudden start, rows of
-//! their own on either side of it are biased sideways, and `theta` is zero.
+//! What is linear in `w` sees the jump; what is quadratic does not need it. At the start of a run the layers on surfaces are thinner than a cell. Rows of their own on either side of
+//! them are biased sideways then, and `theta` is zero; it goes to one as layers grow.
 
 use nalgebra::SVector;
 
@@ -28,20 +28,16 @@ use crate::{
 /// speeds that are nowhere in the flow.
 const LARGEST_JUMP: f64 = 1.0;
 
-/// Thickness of the layer on a surface, in cells, up to which `theta` is zero, and that over which it grows to one.
-const LAYER: [f64; 2] = [0.65, 0.5];
-
-/// Rates at which the mean of `theta` over time forgets, over those of viscosity and of the flow across a cell: as a body passes points of the grid, the thickness that is
-/// measured swings by a tenth.
-const FORGETTING: [f64; 2] = [0.5, 0.25];
+/// Rates at which layers that began with a run grow across a cell, over those of viscosity and of the flow across it.
+const GROWTH: [f64; 2] = [0.5, 0.25];
 
 /// Distances from a surface, in cells, between which the slip that a layer bridges is measured.
 const OUTSIDE_LAYER: [f64; 2] = [1.5, 3.0];
 
-/// The part of the `theta` of the level before that its mean over time keeps after a step.
-pub fn remembered<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64, fastest: f64) -> f64 {
+/// What remains after a step of the part of layers that is thinner than a cell.
+pub fn young<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64, fastest: f64) -> f64 {
     let spacing = grid.spacing().max();
-    (-step * (FORGETTING[0] / (inverse_diffusivity * spacing * spacing) + FORGETTING[1] * fastest / spacing)).exp()
+    (-step * (GROWTH[0] / (inverse_diffusivity * spacing * spacing) + GROWTH[1] * fastest / spacing)).exp()
 }
 
 impl<const D: usize> Level<D> {
@@ -77,8 +73,8 @@ impl<const D: usize> Level<D> {
         convection.evaluate(&mirrored, &mut inside)?;
         mirrored.copy_from(of_field)?;
         let (mut rows, other) = (mirrored.local_mut()?, inside.local()?);
-        for &Near { place, body, .. } in near {
-            rows[place] += 0.5 * self.resolved[body] * (other[place] - rows[place]);
+        for &Near { place, .. } in near {
+            rows[place] += 0.5 * self.resolved * (other[place] - rows[place]);
         }
         drop((rows, other));
         Ok(mirrored)
@@ -87,8 +83,8 @@ impl<const D: usize> Level<D> {
     /// Adds what is linear in the jumps to the convection of rows outside. Collective.
     fn add_linear(&self, band: &Band, scatter: &mut Scatter, convection: &mut Convection<D>, carried: &mut Vector) -> Result<()> {
         let largest = LARGEST_JUMP * fastest(convection.grid(), &self.fluid)?;
-        for ((place, jump), body) in scatter.places().iter_mut().zip(&band.tangential).zip(&band.bodies) {
-            *place = self.resolved[*body] * jump.clamp(-largest, largest);
+        for (place, jump) in scatter.places().iter_mut().zip(&band.tangential) {
+            *place = self.resolved * jump.clamp(-largest, largest);
         }
         let mut rigid = self.fluid.like()?;
         let mut values = rigid.local_mut()?;
@@ -134,11 +130,6 @@ impl<const D: usize> Level<D> {
         };
         Ok(slips.chunks_exact(2 * D).zip(slopes.chunks_exact(2 * D)).map(of_body).collect())
     }
-}
-
-/// `theta` of a layer of this thickness, in cells.
-pub fn resolved(layer: f64) -> f64 {
-    ((layer - LAYER[0]) / LAYER[1]).clamp(0.0, 1.0)
 }
 
 /// Sums of the components of a velocity over the grid. Collective.

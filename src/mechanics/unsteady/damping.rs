@@ -13,14 +13,6 @@ const DAMPING: f64 = 0.015;
 /// Gap from which on surfaces are not damped, in cells.
 const REACH: f64 = 1.5;
 
-/// Time over which slow multipliers are means, over that in which viscosity passes a cell.
-const MEMORY: f64 = 0.25;
-
-/// The part of a change of multipliers that slow ones do not follow in a step in which viscosity passes so many `cells`, squared.
-pub fn lag(cells: f64) -> f64 {
-    (-cells / MEMORY).exp()
-}
-
 /// Damps bodies in thin gaps, with their slow multipliers before the step and the part of a change that these do not follow in it.
 pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D>, slow: &[Vec<f64>], lag: f64) {
     let spacing = fixed.grid.spacing().max();
@@ -35,13 +27,4 @@ pub fn damp<const D: usize>(fixed: &FixedOperators<D>, assembly: &mut Assembly<D
         let known = assembly.undisturbed[first..].iter_mut().zip(&slow[body]).skip(rigid);
         known.for_each(|(known, slow)| *known -= damping * slow);
     }
-}
-
-/// Slow multipliers after a step over which multipliers went from those `before` to those `now` along straight lines.
-pub fn slowed(slow: &[Vec<f64>], (before, now): (&[Vec<f64>], &[Vec<f64>]), lag: f64) -> Vec<Vec<f64>> {
-    let rate = -lag.ln();
-    // what slow ones do not follow by the end of the step of a change in it, in the mean over the times of changes
-    let unfollowed = if rate > 0.0 { -(-rate).exp_m1() / rate } else { 1.0 };
-    let mean = |((slow, before), now): ((&f64, &f64), &f64)| now + unfollowed * (before - now) + lag * (slow - before);
-    slow.iter().zip(before).zip(now).map(|((slow, before), now)| slow.iter().zip(before).zip(now).map(mean).collect()).collect()
 }

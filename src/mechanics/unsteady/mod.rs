@@ -7,17 +7,20 @@
 mod convected;
 mod damping;
 mod longest;
+mod memory;
 mod momentum;
 mod rows;
 mod scheme;
+mod viscous_flux;
 
 use std::{borrow::Cow, cell::OnceCell, time::Instant};
 
 use nalgebra::{SMatrix, SVector};
 
 use self::{
-    convected::{remembered, resolved},
-    damping::{damp, lag, slowed},
+    convected::young,
+    damping::damp,
+    memory::{Forgetting, followed},
     momentum::Momentum,
     rows::{Past, kept},
     scheme::convection_weights,
@@ -151,13 +154,11 @@ impl<const D: usize> UnsteadySuspension<D> {
             return Ok(());
         }
         let _stage = enter(Stage::Assembly);
-        let layers = self.layers()?;
         let Some(mut level) = self.current.take() else { return Ok(()) };
-        if let (Some((before, _)), Some(layers)) = (self.past.first(), layers) {
+        if let Some((before, _)) = self.past.first() {
             let (step, grid) = (level.time - before.time, &self.fixed.grid);
-            let left = remembered(grid, step, self.inverse_diffusivity(), fastest(grid, &level.fluid)?);
-            let mean = |(before, layer): (&f64, &f64)| resolved(*layer) + left * (before - resolved(*layer));
-            level.resolved = before.resolved.iter().zip(&layers).map(mean).collect();
+            let young = young(grid, step, self.inverse_diffusivity(), fastest(grid, &level.fluid)?);
+            level.resolved = 1.0 - young * (1.0 - before.resolved);
         }
         let band = self.band.take();
         self.forget_surroundings();
@@ -249,13 +250,14 @@ impl<const D: usize> UnsteadySuspension<D> {
         self.current = Some(Level {
             time: configuration.time,
             fluid: fluid.copied()?,
+            smooth: multipliers.clone(),
             slow: multipliers.clone(),
             multipliers,
             centers: configuration.centers.to_vec(),
             twists,
             spin_ups,
             impulses: vec![Wrench::zero(); bodies.len()],
-            resolved: vec![0.0; bodies.len()],
+            resolved: 0.0,
         });
         Ok(Solution {
             bodies: states,
@@ -341,7 +343,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         let levels: Vec<(&Level<D>, &Extended<D>)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
         let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
         let convection = convection_weights(times[0] + weights.step, &times);
-        let past = Past { levels: &levels, weights, convection, inverse_diffusivity, kept };
+        let viscous = weights.of_known_flux(weights.step / (inverse_diffusivity * self.fixed.grid.spacing().min().powi(2)));
+        let past = Past { levels: &levels, weights, convection, viscous, inverse_diffusivity, kept };
         let body_types = self.fixed.method.jumps().then_some(&self.fixed.body_types);
         let mut rows = past.rows(&self.fixed.grid, body_types, centers)?;
         let lost = past.lost(&self.fixed.grid, &rows)?;
@@ -369,13 +372,13 @@ impl<const D: usize> UnsteadySuspension<D> {
     }
 
     /// The blocks of bodies, with what is known before a step is solved.
-    fn assembled(&mut self, centers: &[SVector<f64, D>], weights: StepWeights, lag: f64) -> Result<Assembly<D>> {
+    fn assembled(&mut self, centers: &[SVector<f64, D>], weights: StepWeights, forgetting: Forgetting) -> Result<Assembly<D>> {
         let _stage = enter(Stage::Assembly);
         let mut assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
         self.fill_undisturbed(weights, &mut assembly, centers)?;
         assembly.meet_flow(&self.fixed)?;
         if self.fixed.method.jumps() {
-            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, lag);
+            damp(&self.fixed, &mut assembly, &self.past[0].0.slow, (-forgetting.in_gaps).exp());
         }
         Ok(assembly)
     }
@@ -422,7 +425,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         multipliers: Vec<Vec<f64>>,
         configuration: &Configuration<D>,
         weights: StepWeights,
-        lag: f64,
+        forgetting: Forgetting,
     ) -> Result<()> {
         let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
         let spin_ups = momentum.complete(&mut solution.bodies);
@@ -430,8 +433,9 @@ impl<const D: usize> UnsteadySuspension<D> {
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
         let last = &self.past[0].0;
         let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
-        let slow = slowed(&last.slow, (before, &multipliers), lag);
-        let resolved = last.resolved.clone();
+        let [smooth, slow] = [(&last.smooth, forgetting.of_jumps), (&last.slow, forgetting.in_gaps)]
+            .map(|(means, forgetting)| followed(means, (before, &multipliers), forgetting));
+        let resolved = last.resolved;
         let mut impulses = vec![Wrench::zero(); centers.len()];
         let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
         for (body, push) in contacts.flat_map(|(row, force)| row.wrenches(force * weights.step)) {
@@ -439,7 +443,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             impulses[body].torque += push.turn;
         }
         let fluid = solution.fluid.copied()?;
-        self.current = Some(Level { time, fluid, multipliers, slow, centers, twists, spin_ups, impulses, resolved });
+        self.current = Some(Level { time, fluid, multipliers, smooth, slow, centers, twists, spin_ups, impulses, resolved });
         self.forget_surroundings();
         Ok(())
     }
@@ -524,8 +528,8 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let momentum = Momentum::new(&self.fixed.setup, &weights, self.past.iter().map(|(level, _)| level));
         let pushes = momentum.pushes(configuration.pushes);
         self.fixed.spin_ups = momentum.known_spin_ups(configuration.pushes);
-        let lag = lag(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
-        let assembly = self.assembled(configuration.centers, weights, lag)?;
+        let forgetting = Forgetting::in_step(weights.step / (self.inverse_diffusivity() * self.fixed.grid.spacing().max().powi(2)));
+        let assembly = self.assembled(configuration.centers, weights, forgetting)?;
         let factor = weights.of_impulse();
         let guess: Vec<f64> = configuration.contact_guess.iter().map(|force| factor * force).collect();
         let per_impulse = |row: &Row<D>| Row { compliance: row.compliance / factor, ..row.clone() };
@@ -533,7 +537,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         let configuration = Configuration { pushes: &pushes, contacts: &contacts, contact_guess: &guess, ..*configuration };
         self.cost.assembly = start.elapsed().as_secs_f64();
         let (mut solution, multipliers) = self.solve_system(assembly, &configuration, weights, monitor)?;
-        self.keep(&mut solution, multipliers, &configuration, weights, lag)?;
+        self.keep(&mut solution, multipliers, &configuration, weights, forgetting)?;
         Ok(Solution { cost: self.cost, ..solution })
     }
 }

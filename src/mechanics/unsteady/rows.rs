@@ -10,7 +10,7 @@
 
 use nalgebra::SVector;
 
-use super::{convected::sums, scheme::StepWeights};
+use super::{convected::sums, scheme::StepWeights, viscous_flux::viscous_defect};
 use crate::{
     error::Result,
     grid::{Grid, Index, Node, operators::signed},
@@ -33,6 +33,8 @@ pub struct Past<'a, const D: usize> {
     pub weights: StepWeights,
     /// Of the convection of the levels.
     pub convection: [f64; 3],
+    /// Of the last two, of which what viscous fluxes lack is taken.
+    pub viscous: [f64; 2],
     /// Mass per volume over viscosity.
     pub inverse_diffusivity: f64,
     /// Part of what the inside is not as it should be that is kept.
@@ -50,29 +52,32 @@ impl<const D: usize> Past<'_, D> {
     /// rigid motions. Collective.
     pub fn rows(&self, grid: &Grid<D>, body_types: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
         let mut rows = self.levels[0].1.velocity.like()?;
-        for (place, (_, extended)) in self.levels.iter().enumerate() {
-            let [history, convection] = self.factors(place);
-            let weighed =
-                [(history, &extended.velocity), (convection, &extended.convection)].into_iter().filter(|(factor, _)| *factor != 0.0);
-            match self.followed(grid, place, &rows)? {
-                Some(mut followed) => {
-                    for (factor, field) in weighed {
-                        let values = followed.fetch(field)?;
-                        rows.local_mut()?.iter_mut().zip(values.iter()).for_each(|(row, value)| *row += factor * value);
-                    }
-                }
-                None => {
-                    for (factor, field) in weighed {
-                        rows.add(factor, field)?;
-                    }
-                }
-            }
+        for (level, (_, extended)) in self.levels.iter().enumerate() {
+            let [history, convection] = self.factors(level);
+            self.add_followed(grid, level, &[(history, &extended.velocity), (convection, &extended.convection)], &mut rows)?;
         }
         rows.local_mut()?[grid.local_range(D)].fill(0.0);
         if let Some(body_types) = body_types {
-            self.replace_inside(grid, body_types, centers, &mut rows)?;
+            let mut known = rows.like()?;
+            self.levels.iter().zip(self.viscous).try_for_each(|((_, extended), factor)| known.add(factor, &extended.velocity))?;
+            self.replace_inside(grid, body_types, centers, [&mut rows, &mut known])?;
+            // frames that slide past each other see what lags behind at different places
+            if grid.domain().slide().is_none() {
+                rows.add(1.0, &viscous_defect(grid, body_types, centers, &known)?)?;
+            }
         }
         Ok(rows)
+    }
+
+    /// Adds fields of a level, as the frames of their points see them. Collective.
+    fn add_followed(&self, grid: &Grid<D>, level: usize, weighed: &[(f64, &Vector)], to: &mut Vector) -> Result<()> {
+        let Some(mut followed) = self.followed(grid, level, to)? else {
+            return weighed.iter().filter(|(factor, _)| *factor != 0.0).try_for_each(|(factor, field)| to.add(*factor, field));
+        };
+        let mut sum = to.like()?;
+        weighed.iter().try_for_each(|(factor, field)| sum.add(*factor, field))?;
+        to.local_mut()?.iter_mut().zip(followed.fetch(&sum)?.iter()).for_each(|(row, value)| *row += value);
+        Ok(())
     }
 
     /// What rows lose of momentum against those of the field on the grid, which conserve it: a sum over the grid. Collective.
@@ -84,7 +89,6 @@ impl<const D: usize> Past<'_, D> {
         Ok(lost)
     }
 
-    /// The time since a level.
     fn since(&self, level: usize) -> f64 {
         self.levels[0].0.time + self.weights.step - self.levels[level].0.time
     }
@@ -131,12 +135,19 @@ impl<const D: usize> Past<'_, D> {
         [rate, self.convection[level]].map(|weight| -weight * self.inverse_diffusivity)
     }
 
-    fn replace_inside(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, centers: &[SVector<f64, D>], rows: &mut Vector) -> Result<()> {
-        let points = inside(grid, body_types, centers, self.levels[0].0.time + self.weights.step);
+    /// Makes rows inside bodies those of rigid motions, and takes from the known flow what it differs from them by there.
+    fn replace_inside(
+        &self,
+        grid: &Grid<D>,
+        types: &BodyTypes<D>,
+        centers: &[SVector<f64, D>],
+        [rows, known]: [&mut Vector; 2],
+    ) -> Result<()> {
+        let points = inside(grid, types, centers, self.levels[0].0.time + self.weights.step);
         let places: Vec<usize> = points.iter().map(|inside| inside.point.place).collect();
         let mut scatter = Scatter::new(rows, &places)?;
         let mut wanted: Vec<f64> = scatter.fetch(rows)?.iter().map(|row| -row).collect();
-        let mut deviations = vec![0.0; points.len()];
+        let (mut deviations, mut removed) = (vec![0.0; points.len()], vec![0.0; points.len()]);
         for (level, (at, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(level);
             let mut followed;
@@ -149,16 +160,17 @@ impl<const D: usize> Past<'_, D> {
             let carried = scatter.fetch(extended.inside())?;
             wanted.iter_mut().zip(carried).for_each(|(wanted, carried)| *wanted += convection * carried);
             if history != 0.0 {
-                let of_level = at.deviations(body_types, &points, scatter.fetch(&at.fluid)?);
-                for (((wanted, deviation), point), of_level) in wanted.iter_mut().zip(&mut deviations).zip(&points).zip(of_level) {
-                    *wanted += history * at.rigid(point);
-                    *deviation += history * of_level;
-                }
+                let of_level = at.deviations(types, &points, scatter.fetch(&at.fluid)?);
+                wanted.iter_mut().zip(&points).for_each(|(wanted, point)| *wanted += history * at.rigid(point));
+                deviations.iter_mut().zip(&of_level).for_each(|(deviation, of_level)| *deviation += history * of_level);
+                removed.iter_mut().zip(&of_level).for_each(|(removed, of_level)| *removed -= self.viscous[level] * of_level);
             }
         }
         self.draw(&points, &deviations, &mut wanted);
         scatter.places().copy_from_slice(&wanted);
-        scatter.add_back(rows)
+        scatter.add_back(rows)?;
+        scatter.places().copy_from_slice(&removed);
+        scatter.add_back(known)
     }
 
     /// Adds what is kept of deviations: all of their means by body and component, and part of the rest.

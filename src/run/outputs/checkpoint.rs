@@ -138,6 +138,7 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     store_fluid(writer, grid, name, &level.fluid)?;
     writer.shared(&format!("{name}_time"), &[level.time])?;
     writer.shared(&format!("{name}_multipliers"), &level.multipliers.concat())?;
+    writer.shared(&format!("{name}_smooth"), &level.smooth.concat())?;
     writer.shared(&format!("{name}_slow"), &level.slow.concat())?;
     writer.shared(&format!("{name}_centers"), &flat(&level.centers))?;
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
@@ -146,7 +147,7 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     let impulses: Vec<f64> =
         level.impulses.iter().flat_map(|impulse| [impulse.force.as_slice(), &components(&impulse.torque)].concat()).collect();
     writer.shared(&format!("{name}_impulses"), &impulses)?;
-    writer.shared(&format!("{name}_resolved"), &level.resolved)
+    writer.shared(&format!("{name}_resolved"), &[level.resolved])
 }
 
 fn read_level<const D: usize>(
@@ -171,17 +172,19 @@ fn read_level<const D: usize>(
     };
     let twist = |numbers: &[f64]| Twist { velocity: SVector::from_column_slice(&numbers[..D]), spin: skew(&numbers[D..]) };
     let impulse = |numbers: &[f64]| Wrench { force: SVector::from_column_slice(&numbers[..D]), torque: skew(&numbers[D..]) };
-    let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
+    let number = |what: &str| checkpoint.shared(&format!("{name}_{what}"))?.first().copied().ok_or_else(|| misfit(what));
+    let (time, resolved) = (number("time")?, number("resolved")?);
     Ok(Level {
         time,
         fluid,
         multipliers: by_body("multipliers")?,
+        smooth: by_body("smooth")?,
         slow: by_body("slow")?,
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
         impulses: numbers("impulses", D + planes)?.chunks(D + planes).map(impulse).collect(),
-        resolved: numbers("resolved", 1)?,
+        resolved,
     })
 }
 
