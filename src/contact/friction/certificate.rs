@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     body::Twist,
-    contact::{Contact, FrictionReport, Identity, View},
+    contact::{Contact, FrictionReport, View},
     geometry::Domain,
     parallel::Peers,
 };
@@ -37,12 +37,12 @@ pub struct Certified<'a, const D: usize> {
 pub fn certify<const D: usize>(
     peers: Peers,
     step: &Certified<D>,
-    force: &dyn Fn(&Identity<D>) -> SVector<f64, D>,
+    force: &dyn Fn(&Contact<D>) -> SVector<f64, D>,
     report: &mut FrictionReport,
 ) {
     let (mut largest, mut unit, mut sums) = (0.0f64, 0.0f64, [0.0; 3]);
     for contact in step.contacts.iter().filter(|contact| step.view.answers(contact.identity())) {
-        let scaled = step.scaled(contact, &force(&step.view.identity(contact)));
+        let scaled = step.scaled(contact, &force(contact));
         largest = largest.max(natural_map(&scaled.impulse, &scaled.velocity, scaled.friction));
         unit = scaled.wanted.iter().fold(unit, |unit, wanted| unit.max(wanted.abs()));
         match ContactState::of(&scaled.impulse, &scaled.velocity, scaled.friction) {
