@@ -3,6 +3,7 @@
 use nalgebra::SVector;
 
 use super::{
+    SurfaceFriction,
     cone::{ContactState, natural_map},
     frame::Frame,
 };
@@ -29,8 +30,8 @@ pub struct Certified<'a, const D: usize> {
     pub contacts: &'a [Contact<D>],
     /// Length of the step.
     pub step: f64,
-    /// Coefficient of friction.
-    pub coefficient: f64,
+    /// Coefficients of friction.
+    pub surfaces: &'a SurfaceFriction,
 }
 
 /// Completes the report with the residual, with contacts that stick and slip, and with the work of forces, of all ranks. Collective.
@@ -83,7 +84,7 @@ impl<const D: usize> Certified<'_, D> {
             impulse: std::array::from_fn(|axis| force[axis] * self.step * norms[axis]),
             velocity: velocity(self.ends),
             wanted: velocity(self.twists),
-            friction: self.coefficient * norms[1] / norms[0],
+            friction: self.surfaces.of(self.view.identity(contact)) * norms[1] / norms[0],
         }
     }
 

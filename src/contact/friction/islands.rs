@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::{FrictionShare, exact::solve_exactly, frame::Frame, program::FrictionIsland};
+use super::{FrictionShare, SurfaceFriction, exact::solve_exactly, frame::Frame, program::FrictionIsland};
 use crate::{
     body::{Twist, components, skew},
     contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
@@ -72,9 +72,9 @@ impl<const D: usize> Shared<'_, D> {
             let found = if !island.is_new {
                 island.contacts.clone()
             } else if D == 2 {
-                island.solve::<3>(domain, step, friction.coefficient, &mut cost)
+                island.solve::<3>(domain, step, friction.surfaces, &mut cost)
             } else {
-                island.solve::<6>(domain, step, friction.coefficient, &mut cost)
+                island.solve::<6>(domain, step, friction.surfaces, &mut cost)
             };
             for (identity, force) in found {
                 let mut owners: Vec<usize> = crate::contact::bodies_of(identity).map(|body| island.bodies[&body].owner).collect();
@@ -162,7 +162,7 @@ impl<const D: usize> Traveller<D> {
 }
 
 impl<const D: usize> Gathered<D> {
-    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, coefficient: f64, cost: &mut Cost) -> Forces<D> {
+    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, surfaces: &SurfaceFriction, cost: &mut Cost) -> Forces<D> {
         let numbers: Vec<usize> = self.bodies.keys().copied().collect();
         let balls: Vec<Ball<D>> = self.bodies.values().map(|body| body.ball).collect();
         let masses: Vec<[f64; 2]> = self.bodies.values().map(|body| body.mass).collect();
@@ -171,7 +171,16 @@ impl<const D: usize> Gathered<D> {
         let again = |&identity: &Identity<D>| Contact::again(domain, &balls, renamed(identity, place));
         let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
         let frames: Vec<Frame<D>> = contacts.iter().map(|contact| Frame::new(contact, &balls)).collect();
-        let island = FrictionIsland { domain, balls: &balls, masses: &masses, twists: &twists, step, coefficient, contacts: &contacts };
+        let coefficients: Vec<f64> = self.contacts.keys().map(|&identity| surfaces.of(identity)).collect();
+        let island = FrictionIsland {
+            domain,
+            balls: &balls,
+            masses: &masses,
+            twists: &twists,
+            step,
+            contacts: &contacts,
+            coefficients: &coefficients,
+        };
         let program = island.program::<W>();
         let guess = program.links.iter().zip(&frames).zip(self.contacts.values()).map(|((link, frame), force)| {
             let force = frame.components(force);

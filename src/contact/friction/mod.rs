@@ -22,6 +22,7 @@ mod pairs;
 mod program;
 mod project;
 mod share;
+mod surfaces;
 mod sweeps;
 
 #[cfg(test)]
@@ -33,3 +34,4 @@ pub use in_flow::{FlowContacts, HeldContact, HeldRow};
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};
+pub use surfaces::SurfaceFriction;

@@ -239,8 +239,8 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let problem = Problem { velocities: &view.halo.spread_vectors(peers, &wanted), ..view.problem(&self.share.problem) };
         let report = kkt_report::certify(peers, view, &problem, &normals, &[]);
         let mut friction = FrictionReport { sweeps: self.cost.sweeps, iterations: self.cost.iterations, ..FrictionReport::default() };
-        let coefficient = self.friction.coefficient;
-        certify(peers, &Certified { domain, view, masses, twists, ends, contacts, step, coefficient }, whole, &mut friction);
+        let surfaces = self.friction.surfaces;
+        certify(peers, &Certified { domain, view, masses, twists, ends, contacts, step, surfaces }, whole, &mut friction);
         let KktReport { smallest_gap, iterations, solver, rounds, largest_island, .. } = *found;
         KktReport { smallest_gap, iterations, solver, rounds, largest_island, friction: Some(friction), ..report }
     }

@@ -2,14 +2,14 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::TangentialForce;
+use super::{SurfaceFriction, TangentialForce};
 use crate::contact::{ContactForce, KktReport};
 
 /// The own bodies of a rank as friction knows them, besides their [`Problem`](crate::contact::Problem), whose weights are masses over the step.
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionShare<'a, const D: usize> {
-    /// Coefficient of friction, positive.
-    pub coefficient: f64,
+    /// Coefficients of friction of all surfaces.
+    pub surfaces: &'a SurfaceFriction,
     /// Spins wanted.
     pub spins: &'a [SMatrix<f64, D, D>],
     /// Moments of inertia, infinite where a motion is given.
