@@ -53,7 +53,7 @@ pub use candidates::{Contact, candidates};
 pub use force::{ContactForce, pushes};
 pub use friction::{
     ContactState, FlowContacts, FrictionProjection, FrictionShare, HeldContact, HeldRow, ImmersedBodies, NearResistance, NetworkResistance,
-    carried, project_with_friction,
+    SurfaceFriction, carried, project_with_friction,
 };
 pub use friction_report::FrictionReport;
 pub use given::{GivenPaths, Meeting};

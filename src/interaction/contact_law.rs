@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::Arrangement;
 use crate::{
-    contact::{AdhesiveContact, ContactForce},
+    contact::{AdhesiveContact, ContactForce, SurfaceFriction},
     geometry::Ball,
 };
 
@@ -25,7 +25,8 @@ pub enum Touch {
 /// Coulomb friction at inelastic contacts of bodies with each other and with walls ([`contact`](crate::contact)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
-    /// Largest tangential force over the normal force, the same at all contacts; 0 of surfaces that are rough alone.
+    /// Largest tangential force over the normal force, the same at all contacts but where [surfaces differ](ContactLaw::surfaces); 0 of surfaces that are
+    /// rough alone.
     pub coefficient: f64,
     /// Gap at which bodies in a fluid touch, over the mean of their radii; walls are smooth, and touched at half of it.
     pub roughness: f64,
@@ -38,6 +39,15 @@ impl Friction {
     }
 }
 
+/// Friction of surfaces that differ.
+#[derive(Debug, Clone)]
+pub struct UnequalFriction {
+    /// With the coefficient of the roughest surface.
+    pub friction: Friction,
+    /// The coefficients.
+    pub surfaces: SurfaceFriction,
+}
+
 /// A law of contact, or a part of one.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ContactLaw<'a, const D: usize> {
@@ -45,6 +55,8 @@ pub struct ContactLaw<'a, const D: usize> {
     pub touch: Option<Touch>,
     /// Friction at contacts, if there is any.
     pub friction: Option<Friction>,
+    /// Coefficients of friction of surfaces that differ, if they do.
+    pub surfaces: Option<&'a SurfaceFriction>,
     /// What contacts remember, if they do.
     pub memory: Option<&'a dyn ContactMemory<D>>,
 }

@@ -1,6 +1,6 @@
 //! Coulomb friction at contacts.
 
-use super::{ContactLaw, Friction, Interaction};
+use super::{ContactLaw, Friction, Interaction, UnequalFriction};
 
 impl<const D: usize> Interaction<D> for Friction {
     fn name(&self) -> &'static str {
@@ -17,5 +17,22 @@ impl<const D: usize> Interaction<D> for Friction {
 
     fn contact(&self) -> ContactLaw<'_, D> {
         ContactLaw { friction: Some(*self), ..ContactLaw::default() }
+    }
+}
+
+impl<const D: usize> Interaction<D> for UnequalFriction {
+    fn name(&self) -> &'static str {
+        "friction"
+    }
+
+    fn describe(&self) -> String {
+        format!(
+            "Coulomb's exact law at the level of velocities, with coefficients up to {}: of a contact that of its smoother surface",
+            self.friction.coefficient
+        )
+    }
+
+    fn contact(&self) -> ContactLaw<'_, D> {
+        ContactLaw { friction: Some(self.friction), surfaces: Some(&self.surfaces), ..ContactLaw::default() }
     }
 }

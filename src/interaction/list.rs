@@ -11,7 +11,7 @@ use crate::{
         MultiplierLayout, Neighbourhood,
         lubrication::{LubricationPair, LubricationPairs, Opposite},
     },
-    contact::{AdhesiveContact, Contact, ContactForce},
+    contact::{AdhesiveContact, Contact, ContactForce, SurfaceFriction},
     linalg::ROUNDING,
 };
 
@@ -60,6 +60,11 @@ impl<const D: usize> Interactions<D> {
     /// Friction at contacts, if there is any.
     pub fn friction(&self) -> Option<Friction> {
         self.iter().find_map(|interaction| interaction.contact().friction)
+    }
+
+    /// Coefficients of friction of surfaces that differ, if they do.
+    pub fn surfaces(&self) -> Option<&SurfaceFriction> {
+        self.iter().find_map(|interaction| interaction.contact().surfaces)
     }
 
     /// Whether velocities are projected on those that keep bodies apart.

@@ -28,7 +28,7 @@ pub use arrangement::{Arrangement, Forces, PairForce, Wrench};
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;
 pub use conserved::{Conserved, Measure, enclosed};
-pub use contact_law::{ContactLaw, ContactMemory, Friction, Touch};
+pub use contact_law::{ContactLaw, ContactMemory, Friction, Touch, UnequalFriction};
 pub use gluey::Gluey;
 pub use hinge::Hinge;
 pub use inelastic::Inelastic;

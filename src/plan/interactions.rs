@@ -10,17 +10,18 @@ use std::rc::Rc;
 
 use crate::{
     body::{Body, Motion, Twist},
+    contact::SurfaceFriction,
     error::Result,
     flow::Drive,
     geometry::{Axis, Ball, Domain},
-    interaction::{Cluster, Friction, Gluey, Inelastic, Interaction, Interactions, Repulsion, Welds},
+    interaction::{Cluster, Friction, Gluey, Inelastic, Interaction, Interactions, Repulsion, UnequalFriction, Welds},
     mechanics::Setup,
     motion::GranularBody,
     scene::{ContactModel, Scene, Step},
 };
 
 /// The interactions of dry bodies.
-pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[GranularBody<D>]) -> Interactions<D> {
+pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[GranularBody<D>], groups: &[usize]) -> Interactions<D> {
     let contact = contact(scene.contact.model, || {
         let largest =
             |number: fn(&GranularBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
@@ -28,7 +29,19 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
     });
-    Interactions::new(contact.into_iter().chain(friction(scene)))
+    Interactions::new(contact.into_iter().chain(unequal_friction(scene, groups).or_else(|| friction(scene))))
+}
+
+/// Friction of surfaces that differ, of bodies of these groups; nothing if all are alike.
+fn unequal_friction<const D: usize>(scene: &Scene, groups: &[usize]) -> Option<Rc<dyn Interaction<D>>> {
+    if !scene.frictions_differ() {
+        return None;
+    }
+    let all = scene.contact.friction;
+    let bodies = groups.iter().map(|&group| scene.bodies[group].friction.unwrap_or(all)).collect();
+    let surfaces = SurfaceFriction::new(bodies, scene.contact.wall_friction.unwrap_or(all));
+    let friction = Friction { coefficient: surfaces.largest(), roughness: 0.0 };
+    Some(Rc::new(UnequalFriction { friction, surfaces }))
 }
 
 /// Friction and roughness of the surfaces of a scene, if there are any.

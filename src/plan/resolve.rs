@@ -60,8 +60,9 @@ impl<const D: usize> GranularSetup<D> {
         let placed = bodies(peers, scene, &domain)?;
         let trajectories = trajectories(peers, scene, &placed)?;
         let (bonds, welds) = (chains::bonds(scene, &placed), interactions::welds(scene, &placed));
+        let groups: Vec<usize> = placed.iter().map(|(group, _)| *group).collect();
         let bodies: Vec<GranularBody<D>> = placed.into_iter().map(of_group).collect();
-        let interactions = interactions::of_granular(scene, &domain, &bodies);
+        let interactions = interactions::of_granular(scene, &domain, &bodies, &groups);
         let interactions = if let Some(bonds) = bonds { interactions.with(bonds) } else { interactions };
         let interactions = if let Some(welds) = welds { interactions.with(welds) } else { interactions };
         Ok(GranularSetup { interactions, domain, bodies, trajectories })

@@ -35,6 +35,8 @@ pub struct BodyGroup {
     pub gap: f64,
     /// Mass per volume, not negative.
     pub density: f64,
+    /// Coefficient of friction of their surfaces, if it is not that of all.
+    pub friction: Option<f64>,
     /// How the bodies move.
     pub motion: Motion,
     /// External force on each body; only free bodies have one.
@@ -140,8 +142,23 @@ impl BodyGroup {
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
         let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);
-        let (rotation, force, torque, velocity, spin) = (None, None, None, None, None);
-        BodyGroup { shape, radius, placement, rotation, gap, density, motion, force, torque, velocity, spin, chain: None, cluster: None }
+        let (rotation, friction, force, torque, velocity, spin) = (None, None, None, None, None, None);
+        BodyGroup {
+            shape,
+            radius,
+            placement,
+            rotation,
+            gap,
+            density,
+            friction,
+            motion,
+            force,
+            torque,
+            velocity,
+            spin,
+            chain: None,
+            cluster: None,
+        }
     }
 
     /// The name of the list of the file that it is from.
@@ -189,6 +206,7 @@ impl BodyGroup {
             shape: shape.unwrap_or(default.shape),
             gap: read_gap(&table, &default)?,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
+            friction: table.get("friction").map(|entry| entry.not_negative()).transpose()?,
             motion,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
             torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,

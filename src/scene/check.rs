@@ -170,6 +170,7 @@ fn check_friction(scene: &Scene) -> Result<()> {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
         expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
     }
+    check_surfaces(scene)?;
     if friction == 0.0 {
         return Ok(());
     }
@@ -177,6 +178,23 @@ fn check_friction(scene: &Scene) -> Result<()> {
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
     expect(!tied || !scene.dry(), "acts on single balls in dry runs so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
+}
+
+/// Refuses surfaces that differ where friction knows one coefficient, or none.
+fn check_surfaces(scene: &Scene) -> Result<()> {
+    let of_groups =
+        (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)));
+    for (key, friction) in of_groups.chain(scene.contact.wall_friction.map(|friction| ("contact.wall_friction".into(), friction))) {
+        expect(
+            scene,
+            scene.contact.friction > 0.0,
+            &key,
+            friction,
+            "needs contact.friction, the coefficient of all other surfaces; set that or remove it",
+        )?;
+        expect(scene, scene.dry(), &key, friction, "surfaces differ in dry runs alone so far; set flow.model = \"none\" or remove it")?;
+    }
+    Ok(())
 }
 
 fn check_lubrication(scene: &Scene) -> Result<()> {

@@ -48,7 +48,7 @@ const ROTATION: Key = Key::new(
 .unit("radians");
 
 /// Keys of `[[bodies]]`.
-pub(super) const BODY_KEYS: [Key; 13] = [
+pub(super) const BODY_KEYS: [Key; 14] = [
     Key::new("shape", "\"ball\"", "\"ball\"", "A disk in 2D, a sphere in 3D.").default("\"ball\""),
     RADIUS,
     Key::new("fraction", "number", "0.1", "Part of the box that the group fills, placed at random.")
@@ -60,6 +60,16 @@ pub(super) const BODY_KEYS: [Key; 13] = [
     FILE,
     GAP,
     DENSITY,
+    Key::new(
+        "friction",
+        "number",
+        "0.2",
+        "Coefficient of friction of their surfaces; of a contact the smaller coefficient of its two surfaces counts.",
+    )
+    .unit("ratio")
+    .default("that of `contact.friction`")
+    .range("at least 0")
+    .needs("flow.model = \"none\"; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
     Key::new("motion", "\"free\", \"fixed\" or a table", "\"fixed\"", "How the bodies move: as forces have it, not at all, or as told.")
         .default("\"free\""),
     FORCE.needs(FREE),

@@ -188,8 +188,22 @@ fn automatic(key: &str, value: Option<f64>) -> (String, String) {
 }
 
 fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
-    let BodyGroup { shape: Shape::Ball, radius, placement, rotation, gap, density, motion, force, torque, velocity, spin, chain, cluster } =
-        bodies;
+    let BodyGroup {
+        shape: Shape::Ball,
+        radius,
+        placement,
+        rotation,
+        gap,
+        density,
+        friction,
+        motion,
+        force,
+        torque,
+        velocity,
+        spin,
+        chain,
+        cluster,
+    } = bodies;
     let mut keys = match (chain, cluster) {
         (Some(chain), _) => of_chain(chain),
         (None, Some(cluster)) => of_cluster(cluster),
@@ -205,6 +219,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     });
     if model != FlowModel::Scalar {
         keys.push(number("density", *density));
+        keys.extend(friction.map(|friction| number("friction", friction)));
         keys.extend(if bodies.together() { Vec::new() } else { of_motion(motion) });
     }
     let lists = [("rotation", rotation), ("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
@@ -260,12 +275,13 @@ fn of_motion(motion: &Motion) -> Keys {
 }
 
 fn of_contact(contact: &ContactSection) -> Keys {
-    let ContactSection { model, friction, roughness } = contact;
+    let ContactSection { model, friction, wall_friction, roughness } = contact;
     let mut keys = vec![word("contact.model", model.word())];
     keys.extend(match model {
         ContactModel::Inelastic => {
             let friction = (*friction > 0.0).then(|| number("contact.friction", *friction));
-            friction.into_iter().chain(roughness.map(|roughness| number("contact.roughness", roughness))).collect()
+            let of_walls = wall_friction.map(|friction| number("contact.wall_friction", friction));
+            friction.into_iter().chain(of_walls).chain(roughness.map(|roughness| number("contact.roughness", roughness))).collect()
         }
         ContactModel::None => vec![],
         ContactModel::Repulsion { stiffness, range } => vec![number("contact.stiffness", *stiffness), number("contact.range", *range)],

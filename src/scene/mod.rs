@@ -138,6 +138,11 @@ impl Scene {
         self.flow.model == FlowModel::None
     }
 
+    /// Whether surfaces have coefficients of friction of their own.
+    pub fn frictions_differ(&self) -> bool {
+        self.contact.wall_friction.is_some() || self.bodies.iter().any(|bodies| bodies.friction.is_some())
+    }
+
     /// Whether a scalar around inclusions takes the place of the fluid.
     pub fn scalar(&self) -> bool {
         self.flow.model == FlowModel::Scalar

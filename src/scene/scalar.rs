@@ -12,7 +12,7 @@ const REFUSED: [(&str, &[&str], &str); 10] = [
     ("gravity", &[], "a scalar and its inclusions have no weight; remove it"),
     ("flow", &["viscosity", "density"], "a scalar (flow.model = \"scalar\") is no fluid; remove it"),
     ("method", &["inverse"], "a scalar is always solved by multigrid; remove it"),
-    ("bodies", &["density", "motion", "force", "torque", "velocity", "spin"], STILL),
+    ("bodies", &["density", "friction", "motion", "force", "torque", "velocity", "spin"], STILL),
     ("chains", &[], STILL),
     ("cells", &[], STILL),
     ("clusters", &[], STILL),

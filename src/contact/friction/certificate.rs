@@ -3,12 +3,13 @@
 use nalgebra::SVector;
 
 use super::{
+    SurfaceFriction,
     cone::{ContactState, natural_map},
     frame::Frame,
 };
 use crate::{
     body::Twist,
-    contact::{Contact, FrictionReport, Identity, View},
+    contact::{Contact, FrictionReport, View},
     geometry::Domain,
     parallel::Peers,
 };
@@ -29,20 +30,20 @@ pub struct Certified<'a, const D: usize> {
     pub contacts: &'a [Contact<D>],
     /// Length of the step.
     pub step: f64,
-    /// Coefficient of friction.
-    pub coefficient: f64,
+    /// Coefficients of friction.
+    pub surfaces: &'a SurfaceFriction,
 }
 
 /// Completes the report with the residual, with contacts that stick and slip, and with the work of forces, of all ranks. Collective.
 pub fn certify<const D: usize>(
     peers: Peers,
     step: &Certified<D>,
-    force: &dyn Fn(&Identity<D>) -> SVector<f64, D>,
+    force: &dyn Fn(&Contact<D>) -> SVector<f64, D>,
     report: &mut FrictionReport,
 ) {
     let (mut largest, mut unit, mut sums) = (0.0f64, 0.0f64, [0.0; 3]);
     for contact in step.contacts.iter().filter(|contact| step.view.answers(contact.identity())) {
-        let scaled = step.scaled(contact, &force(&step.view.identity(contact)));
+        let scaled = step.scaled(contact, &force(contact));
         largest = largest.max(natural_map(&scaled.impulse, &scaled.velocity, scaled.friction));
         unit = scaled.wanted.iter().fold(unit, |unit, wanted| unit.max(wanted.abs()));
         match ContactState::of(&scaled.impulse, &scaled.velocity, scaled.friction) {
@@ -83,7 +84,7 @@ impl<const D: usize> Certified<'_, D> {
             impulse: std::array::from_fn(|axis| force[axis] * self.step * norms[axis]),
             velocity: velocity(self.ends),
             wanted: velocity(self.twists),
-            friction: self.coefficient * norms[1] / norms[0],
+            friction: self.surfaces.of(self.view.identity(contact)) * norms[1] / norms[0],
         }
     }
 

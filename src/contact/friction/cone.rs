@@ -7,11 +7,13 @@
 pub const TOLERANCE: f64 = 1e-9;
 
 /// The size of the tangential part.
+#[inline]
 pub fn tangential_size(vector: &[f64]) -> f64 {
     vector[1..].iter().map(|component| component * component).sum::<f64>().sqrt()
 }
 
 /// The point of the cone that is next to a force.
+#[inline]
 pub fn project<const D: usize>(force: [f64; D], friction: f64) -> [f64; D] {
     let size = tangential_size(&force);
     if size <= friction * force[0] {
@@ -25,6 +27,7 @@ pub fn project<const D: usize>(force: [f64; D], friction: f64) -> [f64; D] {
 }
 
 /// The largest component of the natural map of a force and a velocity, in rows of the same unit.
+#[inline]
 pub fn natural_map<const D: usize>(force: &[f64; D], velocity: &[f64; D], friction: f64) -> f64 {
     let mut aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
     aim[0] -= friction * tangential_size(velocity);

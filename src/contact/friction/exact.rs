@@ -1,4 +1,5 @@
-//! The impulses of an island by the exact law: sweeps first, an interior point from where they are, and more sweeps if that leads nowhere.
+//! The impulses of an island by the exact law: sweeps first, an interior point from where they are, and more sweeps, from the better of both, if that ends
+//! too soon.
 
 use super::{cone::TOLERANCE, interior_point::follow, program::FrictionProgram, sweeps::Sweeps};
 
@@ -19,9 +20,10 @@ const USELESS: f64 = 1.0;
 /// Normal velocity from which a contact without a force has long been open, over the largest without impulses.
 const OPEN: f64 = 0.1;
 
-/// Sweeps at most: so many contacts one after the other, but no fewer sweeps than the first and no more than the second of these.
-const MOST_CONTACTS: usize = 400_000;
-const MOST_SWEEPS: [usize; 2] = [2_000, 10_000];
+/// Contacts one after the other that sweeps are given: as many sweeps as that is, but no more than the second of these; to the first start no fewer than the
+/// first of them.
+const MOST_CONTACTS: usize = 800_000;
+const MOST_SWEEPS: [usize; 2] = [1_000, 10_000];
 
 /// The impulses of an island.
 #[derive(Debug, Clone)]
@@ -41,26 +43,31 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
     if program.links.iter().all(|link| link.offset[0] >= 0.0) {
         return Found { forces: vec![[0.0; D]; guess.len()], residual: 0.0, sweeps: 0, iterations: 0 };
     }
-    let most = (MOST_CONTACTS / guess.len()).clamp(MOST_SWEEPS[0], MOST_SWEEPS[1]);
-    let (mut sweeps, mut first, mut iterations) = (Sweeps::new(program, guess), FIRST, 0);
+    let most = (MOST_CONTACTS / guess.len()).min(MOST_SWEEPS[1]);
+    let mut sweeps = Sweeps::new(program, guess);
     if sweeps.residual.is_nan() || sweeps.residual > USELESS {
         sweeps = Sweeps::new(program, vec![[0.0; D]; program.links.len()]);
     }
+    let (mut first, mut iterations) = (FIRST, 0);
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
     loop {
-        sweeps.run(first.max(TOLERANCE), most);
+        sweeps.run(first, if first == FIRST { most.max(MOST_SWEEPS[0]) } else { most });
         best.take(&sweeps.forces, sweeps.residual);
-        if best.residual > TOLERANCE {
+        if best.residual > TOLERANCE && sweeps.residual <= first {
             let (forces, more) = from_sweeps(program, &sweeps, 10.0 * first);
             iterations += more;
             if largest(&forces) <= WEDGED * largest(&sweeps.forces).max(program.unit) {
                 best.take(&forces, program.residual(&forces));
             }
         }
-        if best.residual <= TOLERANCE || sweeps.count >= most {
+        // velocities that are not finite are refused by who separates bodies
+        if best.residual <= TOLERANCE || sweeps.count >= most || !sweeps.residual.is_finite() {
             return Found { sweeps: sweeps.count, iterations, ..best };
         }
-        first *= NEXT;
+        if best.residual < sweeps.residual {
+            sweeps.go_on(best.forces.clone());
+        }
+        first = (first * NEXT).max(TOLERANCE);
     }
 }
 

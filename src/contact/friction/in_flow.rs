@@ -79,7 +79,15 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let resistances = &resistance.bodies[..];
         let free: Vec<usize> = (0..balls.len()).filter(|&body| resistances[body][0].is_finite()).collect();
         let still = vec![Twist::zero(); balls.len()];
-        let island = FrictionIsland { domain, balls, masses: resistances, twists: &still, step, coefficient, contacts: &contacts };
+        let island = FrictionIsland {
+            domain,
+            balls,
+            masses: resistances,
+            twists: &still,
+            step,
+            contacts: &contacts,
+            coefficients: &vec![coefficient; contacts.len()],
+        };
         // without contacts nobody asks what resists
         let program = island.program_of(&free);
         let program = if contacts.is_empty() { program } else { program.in_medium(resistance.medium(&free)) };

@@ -25,8 +25,9 @@ const SHORTENED: usize = 10;
 const CAREFUL: [(f64, f64); 2] = [(0.1, 1.0), (0.5, 0.5)];
 /// Part of the residual that an iteration leaves where it stops below the tolerance.
 const SLOW: f64 = 0.1;
-/// Steps shorter than this lead nowhere.
+/// Steps shorter than the first lead nowhere, and where sweeps may follow so many one after the other that are shorter than the second: the path turns back.
 const SHORTEST: f64 = 1e-9;
+const SHORT: (usize, f64) = (3, 0.1);
 
 /// Where a path ends: the best impulses on it.
 pub struct PathEnd<const D: usize> {
@@ -57,17 +58,20 @@ pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, g
     let mut point = Point::new(program, guess, start);
     let touches = [program.touches(), program.medium.touches()].concat();
     let mut factors = BlockLu::new(program.bodies, W, &touches);
+    let mut short = 0;
     while best.iterations < ITERATIONS[usize::from(program.medium.resists())] {
         best.iterations += 1;
         let goes_on = point.step(&mut factors);
         let forces = point.forces();
         let residual = program.residual(&forces);
+        short = if point.last < SHORT.1 { short + 1 } else { 0 };
+        let turns_back = short == SHORT.0 && !program.medium.resists();
         // digits no longer double: rounding
         let ends = best.residual <= TOLERANCE && residual > SLOW * best.residual;
         if residual < best.residual {
             (best.forces, best.residual) = (forces, residual);
         }
-        if best.residual <= aim || ends || !goes_on || !residual.is_finite() {
+        if best.residual <= aim || ends || turns_back || !goes_on || !residual.is_finite() {
             break;
         }
     }

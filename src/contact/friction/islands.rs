@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::{FrictionShare, cone::TOLERANCE, exact::solve_exactly, frame::Frame, program::FrictionIsland};
+use super::{FrictionShare, SurfaceFriction, exact::solve_exactly, frame::Frame, program::FrictionIsland};
 use crate::{
     body::{Twist, components, skew},
     contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
@@ -12,17 +12,11 @@ use crate::{
     parallel::Peers,
 };
 
-/// The force of a contact as it was found.
-#[derive(Clone, Copy)]
-pub struct Held<const D: usize> {
-    /// Force on the partner, as a vector in space.
-    pub force: SVector<f64, D>,
-    /// Whether its island was solved to the tolerance.
-    pub is_solved: bool,
-}
+/// Forces on the partners, as vectors in space, by contact, of bodies by number.
+pub type Forces<const D: usize> = BTreeMap<Identity<D>, SVector<f64, D>>;
 
-/// Forces by contact, of bodies by number.
-pub type Forces<const D: usize> = BTreeMap<Identity<D>, Held<D>>;
+/// The force of a contact to start from, and whether it was found for the contacts that were known then.
+pub type Guess<const D: usize> = (SVector<f64, D>, bool);
 
 /// What solving the islands of a rank took.
 #[derive(Default, Clone, Copy)]
@@ -43,10 +37,13 @@ struct Traveller<const D: usize> {
 }
 
 /// An island as the rank that solves it has it.
+#[derive(Default)]
 struct Gathered<const D: usize> {
     bodies: BTreeMap<usize, Traveller<D>>,
     /// Contacts with a guess of the force of each.
-    contacts: BTreeMap<Identity<D>, SVector<f64, D>>,
+    contacts: Forces<D>,
+    /// Whether a contact is new.
+    is_new: bool,
 }
 
 /// What a rank sees of bodies and contacts whose friction is solved.
@@ -66,26 +63,28 @@ pub struct Shared<'a, const D: usize> {
 }
 
 impl<const D: usize> Shared<'_, D> {
-    /// The forces of all contacts of own bodies, from a guess.
-    pub fn solve(&self, friction: &FrictionShare<D>, guess: &dyn Fn(&Identity<D>) -> SVector<f64, D>) -> (Forces<D>, Cost) {
+    /// The forces of all contacts of own bodies, from a guess; an island without a new contact keeps its forces.
+    pub fn solve(&self, friction: &FrictionShare<D>, guess: &dyn Fn(&Identity<D>) -> Guess<D>) -> (Forces<D>, Cost) {
         let (domain, step) = (self.share.problem.domain, self.share.problem.step);
         let mut letters = vec![Vec::new(); self.peers.count()];
         let mut cost = Cost::default();
         for island in self.gather(guess).values() {
-            let found = if D == 2 {
-                island.solve::<3>(domain, step, friction.coefficient, &mut cost)
+            let found = if !island.is_new {
+                island.contacts.clone()
+            } else if D == 2 {
+                island.solve::<3>(domain, step, friction.surfaces, &mut cost)
             } else {
-                island.solve::<6>(domain, step, friction.coefficient, &mut cost)
+                island.solve::<6>(domain, step, friction.surfaces, &mut cost)
             };
-            for (identity, held) in found {
+            for (identity, force) in found {
                 let mut owners: Vec<usize> = crate::contact::bodies_of(identity).map(|body| island.bodies[&body].owner).collect();
                 owners.dedup();
-                owners.into_iter().for_each(|owner| write(identity, &held.force, f64::from(held.is_solved), &mut letters[owner]));
+                owners.into_iter().for_each(|owner| write(identity, &force, 0.0, &mut letters[owner]));
             }
         }
         let read = |numbers: &[f64]| {
-            let (identity, force, is_solved) = read(numbers);
-            (identity, Held { force, is_solved: is_solved == 1.0 })
+            let (identity, force, _) = read(numbers);
+            (identity, force)
         };
         let forces = self.peers.deliver(&letters).chunks(record::<D>()).map(read).collect();
         let most = |count: usize| self.peers.max(count as f64) as usize;
@@ -93,23 +92,26 @@ impl<const D: usize> Shared<'_, D> {
     }
 
     /// The islands of which this rank owns the first body that gives way.
-    fn gather(&self, guess: &dyn Fn(&Identity<D>) -> SVector<f64, D>) -> BTreeMap<u64, Gathered<D>> {
+    fn gather(&self, guess: &dyn Fn(&Identity<D>) -> Guess<D>) -> BTreeMap<u64, Gathered<D>> {
         let homes = self.homes();
         let mut letters = vec![Vec::new(); self.peers.count()];
         for contact in self.contacts.iter().filter(|contact| self.view.answers(contact.identity())) {
             let home = homes[free_body(&self.view.problem(&self.share.problem), contact)];
             let letter = &mut letters[(home % self.peers.count() as u64) as usize];
             let identity = self.view.identity(contact);
-            write(identity, &guess(&identity), home as f64, letter);
+            let (force, is_old) = guess(&identity);
+            write(identity, &force, home as f64, letter);
+            letter.push(f64::from(is_old));
             [contact.body, contact.other().unwrap_or(contact.body)].into_iter().for_each(|body| self.write_body(body, letter));
         }
         let mut islands: BTreeMap<u64, Gathered<D>> = BTreeMap::new();
         let (contact, body) = (record::<D>(), Traveller::<D>::LENGTH);
-        for numbers in self.peers.deliver(&letters).chunks(contact + 2 * body) {
+        for numbers in self.peers.deliver(&letters).chunks(contact + 1 + 2 * body) {
             let (identity, guess, home) = read(&numbers[..contact]);
-            let island = islands.entry(home as u64).or_insert_with(|| Gathered { bodies: BTreeMap::new(), contacts: BTreeMap::new() });
+            let island = islands.entry(home as u64).or_insert_with(Gathered::default);
+            island.is_new |= numbers[contact] == 0.0;
             island.contacts.insert(identity, guess);
-            island.bodies.extend(numbers[contact..].chunks(body).map(Traveller::read));
+            island.bodies.extend(numbers[contact + 1..].chunks(body).map(Traveller::read));
         }
         islands
     }
@@ -160,7 +162,7 @@ impl<const D: usize> Traveller<D> {
 }
 
 impl<const D: usize> Gathered<D> {
-    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, coefficient: f64, cost: &mut Cost) -> Vec<(Identity<D>, Held<D>)> {
+    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, surfaces: &SurfaceFriction, cost: &mut Cost) -> Forces<D> {
         let numbers: Vec<usize> = self.bodies.keys().copied().collect();
         let balls: Vec<Ball<D>> = self.bodies.values().map(|body| body.ball).collect();
         let masses: Vec<[f64; 2]> = self.bodies.values().map(|body| body.mass).collect();
@@ -169,7 +171,16 @@ impl<const D: usize> Gathered<D> {
         let again = |&identity: &Identity<D>| Contact::again(domain, &balls, renamed(identity, place));
         let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
         let frames: Vec<Frame<D>> = contacts.iter().map(|contact| Frame::new(contact, &balls)).collect();
-        let island = FrictionIsland { domain, balls: &balls, masses: &masses, twists: &twists, step, coefficient, contacts: &contacts };
+        let coefficients: Vec<f64> = self.contacts.keys().map(|&identity| surfaces.of(identity)).collect();
+        let island = FrictionIsland {
+            domain,
+            balls: &balls,
+            masses: &masses,
+            twists: &twists,
+            step,
+            contacts: &contacts,
+            coefficients: &coefficients,
+        };
         let program = island.program::<W>();
         let guess = program.links.iter().zip(&frames).zip(self.contacts.values()).map(|((link, frame), force)| {
             let force = frame.components(force);
@@ -177,11 +188,10 @@ impl<const D: usize> Gathered<D> {
         });
         let found = solve_exactly(&program, guess.collect());
         (cost.sweeps, cost.iterations) = (cost.sweeps.max(found.sweeps), cost.iterations.max(found.iterations));
-        let is_solved = found.residual <= TOLERANCE;
         let in_space = |((link, frame), force): ((&super::link::Link<D, W>, &Frame<D>), &[f64; D])| -> SVector<f64, D> {
             (0..D).map(|axis| frame.axes[axis] * (force[axis] / (link.norms[axis] * step))).sum()
         };
         let forces = program.links.iter().zip(&frames).zip(&found.forces).map(in_space);
-        self.contacts.keys().copied().zip(forces.map(|force| Held { force, is_solved })).collect()
+        self.contacts.keys().copied().zip(forces).collect()
     }
 }

@@ -19,6 +19,13 @@ pub struct Link<const D: usize, const W: usize> {
 }
 
 impl<const D: usize, const W: usize> Link<D, W> {
+    /// The same without tangential rows: no force moves anything along them, and the coefficient does not matter.
+    pub fn without_friction(mut self) -> Self {
+        self.rows.iter_mut().for_each(|rows| rows[1..].fill([0.0; W]));
+        self.offset[1..].fill(0.0);
+        Link { friction: 1.0, ..self }
+    }
+
     /// Divides rows by factors, the same for all tangents.
     pub fn scale(&mut self, factors: &[f64; D]) {
         for (axis, factor) in factors.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! (De Saxce and Feng 1998). A contact is open, sticks (`u = 0`), or slips against its friction (`r_T = -mu r_N u_T / |u_T|`). A step never gains energy.
 //!
 //! An island is solved by sweeps and an interior point of the exact law; where neither reaches the tolerance the best forces are taken, and the residual
-//! is told. In any case the frictionless program follows with the tangential forces as known ones, so that nothing overlaps.
+//! is told. In any case the least change of velocities follows with which nothing overlaps; its forces are normal ones, and add to those found.
 
 mod certificate;
 mod cone;
@@ -22,6 +22,7 @@ mod pairs;
 mod program;
 mod project;
 mod share;
+mod surfaces;
 mod sweeps;
 
 #[cfg(test)]
@@ -33,3 +34,4 @@ pub use in_flow::{FlowContacts, HeldContact, HeldRow};
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};
+pub use surfaces::SurfaceFriction;

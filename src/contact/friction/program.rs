@@ -42,10 +42,10 @@ pub struct FrictionIsland<'a, const D: usize> {
     pub twists: &'a [Twist<D>],
     /// Length of the step.
     pub step: f64,
-    /// Coefficient of friction.
-    pub coefficient: f64,
     /// The contacts.
     pub contacts: &'a [Contact<D>],
+    /// The coefficient of friction of each.
+    pub coefficients: &'a [f64],
 }
 
 impl<const D: usize> FrictionIsland<'_, D> {
@@ -60,12 +60,13 @@ impl<const D: usize> FrictionIsland<'_, D> {
 
     /// That of more bodies that give way than have contacts, in order.
     pub fn program_of<const W: usize>(&self, free: &[usize]) -> FrictionProgram<D, W> {
-        let links: Vec<Link<D, W>> = self.contacts.iter().map(|contact| self.link(contact, free)).collect();
+        let links: Vec<Link<D, W>> =
+            self.contacts.iter().zip(self.coefficients).map(|(contact, &coefficient)| self.link(contact, coefficient, free)).collect();
         let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
         FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, unit }
     }
 
-    fn link<const W: usize>(&self, contact: &Contact<D>, free: &[usize]) -> Link<D, W> {
+    fn link<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> Link<D, W> {
         let frame = Frame::new(contact, self.balls);
         let mut ends: Vec<(usize, [[f64; W]; D])> = Vec::with_capacity(2);
         for (body, sign, arm) in [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, frame.arms[1])] {
@@ -81,7 +82,8 @@ impl<const D: usize> FrictionIsland<'_, D> {
         offset.iter_mut().zip(norms).for_each(|(offset, norm)| *offset /= norm);
         let end = |number: usize| ends.get(number).map_or(NONE, |end| end.0);
         let rows = |number: usize| ends.get(number).map_or([[0.0; W]; D], |end| end.1);
-        Link { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction: self.coefficient * norms[1] / norms[0], norms }
+        let link = Link { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction: coefficient * norms[1] / norms[0], norms };
+        if coefficient > 0.0 { link } else { link.without_friction() }
     }
 
     /// How the motion of a body, times roots of mass and inertia, changes the velocity of a contact.

@@ -1,7 +1,8 @@
-//! Velocities and spins that keep contacts with friction: frictionless contacts are found first; then friction and, with its tangential forces as known ones,
-//! the frictionless program in turn, until that finds no contact that friction does not know. So nothing overlaps, however well friction was solved.
+//! Velocities and spins that keep contacts with friction: friction is solved for the contacts that pressed in the last step; then the least change of these
+//! velocities lets nothing overlap, without more friction. Contacts that press in it and are new join, and both are solved again until none is. So nothing overlaps,
+//! however well friction was solved, and what was found of it stays: forces of the change are small, and only push, so that none leaves its cone.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{SMatrix, SVector};
 
@@ -12,11 +13,12 @@ use super::{
     islands::{Cost, Forces, Shared},
 };
 use crate::{
-    body::Twist,
+    body::{Halo, Twist},
     contact::{
-        Contact, ContactForce, FrictionReport, Identity, KktReport, Memory, Problem, ProblemShare, ProjectionShare, View,
-        paths::{Motions, common_motion},
-        project_share,
+        Contact, ContactForce, FrictionReport, Identity, KktReport, Memory, Problem, ProblemShare, ProjectionShare, View, bodies_of,
+        kkt_report,
+        paths::{Motions, common_motion, paths},
+        project_share, renamed,
     },
     error::Result,
     linalg::CANCELLATION,
@@ -26,6 +28,9 @@ use crate::{
 /// Times that contacts are added before the forces are taken as they are.
 const ROUNDS: usize = 20;
 
+/// Gap, in radii, below which pairs have friction before they press.
+const NEAR: f64 = 0.02;
+
 /// Where the rounds stand on a rank.
 struct Rounds<'a, const D: usize> {
     peers: Peers<'a>,
@@ -33,8 +38,11 @@ struct Rounds<'a, const D: usize> {
     friction: &'a FrictionShare<'a, D>,
     /// All contacts of own bodies that friction knows, of bodies by number.
     contacts: BTreeMap<Identity<D>, Contact<D>>,
+    /// Forces at them, found or to start from.
     forces: Forces<D>,
-    /// What tangential forces change the motions of own bodies by.
+    /// Those that joined after friction was solved last.
+    fresh: BTreeSet<Identity<D>>,
+    /// What friction changes the motions of own bodies by.
     changes: Vec<Twist<D>>,
     cost: Cost,
 }
@@ -59,24 +67,66 @@ pub fn project_with_friction<const D: usize>(
     memory: &Memory<D>,
 ) -> Result<FrictionProjection<D>> {
     let mut rounds = Rounds::new(peers, share, friction);
-    let mut found = rounds.separate(memory)?;
+    rounds.begin(memory);
+    rounds.solve();
+    let none = Memory::default();
+    let mut found = rounds.separate(if peers.any(!rounds.contacts.is_empty()) { &none } else { memory })?;
     for _ in 0..ROUNDS {
         if !rounds.meet(&found) {
             break;
         }
-        rounds.solve(memory);
-        found = rounds.separate(&rounds.normal_forces())?;
+        rounds.solve();
+        found = rounds.separate(&Memory::default())?;
     }
     Ok(rounds.finish(found))
 }
 
 impl<'a, const D: usize> Rounds<'a, D> {
     fn new(peers: Peers<'a>, share: &'a ProblemShare<'a, D>, friction: &'a FrictionShare<'a, D>) -> Self {
-        let changes = vec![Twist::zero(); friction.spins.len()];
-        Rounds { peers, share, friction, contacts: BTreeMap::new(), forces: BTreeMap::new(), changes, cost: Cost::default() }
+        let (changes, cost) = (vec![Twist::zero(); friction.spins.len()], Cost::default());
+        let (contacts, forces, fresh) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
+        Rounds { peers, share, friction, contacts, forces, fresh, changes, cost }
     }
 
-    /// The frictionless velocities next to those wanted and changed by tangential forces.
+    /// Takes the contacts that pressed in the last step, with their forces, and those that come near; none if none pressed.
+    fn begin(&mut self, memory: &Memory<D>) {
+        let last = self.last_contacts();
+        if !self.peers.any(!last.is_empty()) {
+            return;
+        }
+        for (tangential, contact) in self.friction.last.values().zip(last) {
+            self.join(contact, contact.normal * memory.force(&contact.identity()) + tangential);
+        }
+        let motions = self.motions(self.share.problem.velocities);
+        let view = View::new(self.peers, self.share, &motions, NEAR, &[]);
+        let problem = view.problem(&self.share.problem);
+        let seen = Motions { velocities: &view.velocities, ..motions };
+        let paths = paths(&problem, &seen, NEAR, |body| view.halo.owns(body)).into_iter();
+        for path in paths.filter(|path| path.smallest_gap < NEAR * path.contact.smaller_radius(problem.balls)) {
+            self.join(view.numbered(&path.contact), SVector::zeros());
+        }
+    }
+
+    /// Takes a contact of bodies by number, if it is new.
+    fn join(&mut self, contact: Contact<D>, force: SVector<f64, D>) {
+        let identity = contact.identity();
+        if self.contacts.insert(identity, contact).is_none() {
+            self.forces.insert(identity, force);
+            self.fresh.insert(identity);
+        }
+    }
+
+    /// The contacts that pressed in the last step, where bodies are now. Collective.
+    fn last_contacts(&self) -> Vec<Contact<D>> {
+        let (peers, problem, last) = (self.peers, &self.share.problem, self.friction.last);
+        let halo = Halo::of_numbers(peers, &problem.all_numbers(), last.keys().flat_map(|&identity| bodies_of(identity)));
+        let balls = halo.spread_balls(peers, problem.balls);
+        let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
+        let again = |identity| Contact::again(problem.domain, &balls, renamed(identity, place)).renamed(|place| halo.numbers()[place]);
+        last.keys().map(|&identity| again(identity)).collect()
+    }
+
+    /// The velocities without overlap next to those that friction makes of the wanted ones.
     fn separate(&self, memory: &Memory<D>) -> Result<ProjectionShare<D>> {
         let wanted = self.share.problem.velocities.iter().zip(&self.changes);
         let velocities: Vec<SVector<f64, D>> = wanted.map(|(wanted, change)| wanted + change.velocity).collect();
@@ -84,43 +134,49 @@ impl<'a, const D: usize> Rounds<'a, D> {
         project_share(self.peers, &ProblemShare { problem, ..*self.share }, memory)
     }
 
-    /// Takes the contacts of a projection, if one of them presses that friction does not know.
+    /// If a contact of a projection presses that friction does not know: takes the forces of all, and the contacts that press or come near.
     fn meet(&mut self, found: &ProjectionShare<D>) -> bool {
-        let forces = &found.projection.forces;
-        let rounding = CANCELLATION * self.peers.max(forces.iter().map(|force| force.force).fold(0.0, f64::max));
-        let numbered: Vec<(Contact<D>, f64)> = forces.iter().map(|force| (found.view.numbered(&force.contact), force.force)).collect();
-        let is_new = |(contact, force): &(Contact<D>, f64)| *force > rounding && !self.contacts.contains_key(&contact.identity());
-        let learned = self.peers.any(numbered.iter().any(is_new));
-        if learned {
-            self.contacts.extend(numbered.into_iter().map(|(contact, _)| (contact.identity(), contact)));
+        let (view, problem) = (&found.view, found.view.problem(&self.share.problem));
+        let forces: Vec<(&ContactForce<D>, Contact<D>)> =
+            found.projection.forces.iter().map(|force| (force, view.numbered(&force.contact))).collect();
+        let largest = forces.iter().map(|(force, _)| force.force).chain(self.forces.values().map(SVector::norm)).fold(0.0, f64::max);
+        let rounding = CANCELLATION * self.peers.max(largest);
+        let is_new = |contact: &Contact<D>| !self.contacts.contains_key(&contact.identity());
+        if !self.peers.any(forces.iter().any(|(force, contact)| force.force > rounding && is_new(contact))) {
+            return false;
         }
-        learned
+        for (ContactForce { contact: seen, force, .. }, contact) in forces {
+            if let Some(known) = self.forces.get_mut(&contact.identity()) {
+                *known += contact.normal * *force;
+            } else if *force > 0.0 || problem.gap_after(seen, &view.velocities) < NEAR * seen.smaller_radius(problem.balls) {
+                self.join(contact, contact.normal * *force);
+            }
+        }
+        true
     }
 
-    /// Finds the forces with friction, from those found last or else those of the last step.
-    fn solve(&mut self, memory: &Memory<D>) {
-        let seen = self.look();
+    /// Finds the forces with friction, from those that are known.
+    fn solve(&mut self) {
+        let seen = self.look(self.contacts.values().copied().collect(), self.share.problem.velocities);
         let Seen { view, masses, twists, contacts } = &seen;
-        let guess = |identity: &Identity<D>| match self.forces.get(identity) {
-            Some(held) => held.force,
-            None => {
-                self.contacts[identity].normal * memory.force(identity)
-                    + self.friction.last.get(identity).copied().unwrap_or_else(SVector::zeros)
-            }
-        };
+        let guess = |identity: &Identity<D>| (self.forces[identity], !self.fresh.contains(identity));
         let shared = Shared { peers: self.peers, view, share: self.share, masses, twists, contacts };
         let (forces, cost) = shared.solve(self.friction, &guess);
         self.forces = forces;
+        self.fresh.clear();
         self.cost = Cost { sweeps: self.cost.sweeps.max(cost.sweeps), iterations: self.cost.iterations.max(cost.iterations) };
-        self.changes = self.changes_of(&seen);
+        self.changes = self.changes_of(&seen, &|contact| self.forces[&view.identity(contact)]);
     }
 
-    /// Bodies as they are, with what is known of the contacts.
-    fn look(&self) -> Seen<D> {
+    /// How own bodies move with these velocities.
+    fn motions<'b>(&self, velocities: &'b [SVector<f64, D>]) -> Motions<'b, D> {
+        Motions { velocities, common: common_motion(self.peers, &self.share.problem, velocities) }
+    }
+
+    /// Bodies as they are and as they may move, with contacts of bodies by number.
+    fn look(&self, known: Vec<Contact<D>>, velocities: &[SVector<f64, D>]) -> Seen<D> {
         let (peers, problem) = (self.peers, &self.share.problem);
-        let motions = Motions { velocities: problem.velocities, common: common_motion(peers, problem, problem.velocities) };
-        let known: Vec<Contact<D>> = self.contacts.values().copied().collect();
-        let view = View::new(peers, self.share, &motions, 0.0, &known);
+        let view = View::new(peers, self.share, &self.motions(velocities), 0.0, &known);
         let inertias = view.halo.spread(peers, self.friction.inertias);
         let masses = view.weights.iter().zip(inertias).map(|(weight, inertia)| [weight * problem.step, inertia]).collect();
         let twists = view.halo.spread_twists(peers, problem.velocities, self.friction.spins);
@@ -128,78 +184,64 @@ impl<'a, const D: usize> Rounds<'a, D> {
         Seen { view, masses, twists, contacts }
     }
 
-    /// What the tangential forces change the motions of own bodies by.
-    fn changes_of(&self, Seen { view, masses, contacts, .. }: &Seen<D>) -> Vec<Twist<D>> {
+    /// What forces at contacts change the motions of own bodies by.
+    fn changes_of(&self, Seen { view, masses, contacts, .. }: &Seen<D>, force: &dyn Fn(&Contact<D>) -> SVector<f64, D>) -> Vec<Twist<D>> {
         let mut changes = vec![Twist::zero(); view.halo.len()];
         for contact in contacts {
-            let (frame, force) = (Frame::new(contact, &view.balls), self.forces[&view.identity(contact)].force);
-            let impulse = frame.tangential(&frame.components(&force)) * self.share.problem.step;
-            let ends = [(Some(contact.body), -impulse, frame.arms[0]), (contact.other(), impulse, -frame.arms[1])];
-            for (body, impulse, arm) in ends.into_iter().filter_map(|(body, impulse, arm)| body.map(|body| (body, impulse, arm))) {
-                changes[body].velocity += impulse / masses[body][0];
-                changes[body].spin += frame.torque(&impulse, arm) / masses[body][1];
+            let (frame, impulse) = (Frame::new(contact, &view.balls), force(contact) * self.share.problem.step);
+            let tangential = frame.tangential(&frame.components(&impulse));
+            let ends = [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, -frame.arms[1])];
+            for (body, sign, arm) in ends.into_iter().filter_map(|(body, sign, arm)| body.map(|body| (body, sign, arm))) {
+                changes[body].velocity += impulse * (sign / masses[body][0]);
+                changes[body].spin += frame.torque(&(tangential * sign), arm) / masses[body][1];
             }
         }
         view.halo.own().iter().map(|&place| changes[place]).collect()
     }
 
-    /// The normal forces that were found, to start from.
-    fn normal_forces(&self) -> Memory<D> {
-        self.contacts.iter().map(|(identity, contact)| (*identity, self.normal_force(contact))).collect()
-    }
-
-    fn normal_force(&self, contact: &Contact<D>) -> f64 {
-        self.forces.get(&contact.identity()).map_or(0.0, |held| held.force.dot(&contact.normal).max(0.0))
-    }
-
     fn finish(self, found: ProjectionShare<D>) -> FrictionProjection<D> {
         let spins: Vec<SMatrix<f64, D, D>> =
             self.friction.spins.iter().zip(&self.changes).map(|(spin, change)| spin + change.spin).collect();
-        let forces = self.normals(&found);
-        let velocities = found.projection.velocities;
-        let mut report = FrictionReport { sweeps: self.cost.sweeps, iterations: self.cost.iterations, ..FrictionReport::default() };
-        if self.peers.any(!self.contacts.is_empty()) {
-            let Seen { view, masses, twists, contacts } = self.look();
-            let ends = view.halo.spread_twists(self.peers, &velocities, &spins);
-            let force = |identity: &Identity<D>| self.whole_force(identity, &forces);
-            let (domain, step) = (self.share.problem.domain, self.share.problem.step);
-            let coefficient = self.friction.coefficient;
-            let certified =
-                Certified { domain, view: &view, masses: &masses, twists: &twists, ends: &ends, contacts: &contacts, step, coefficient };
-            certify(self.peers, &certified, &force, &mut report);
+        let forces = self.whole_forces(&found);
+        let seen = self.look(forces.values().map(|(contact, _)| *contact).collect(), &found.projection.velocities);
+        let ends = seen.view.halo.spread_twists(self.peers, &found.projection.velocities, &spins);
+        let whole = |contact: &Contact<D>| forces[&seen.view.identity(contact)].1;
+        let kkt_report = self.certify(&seen, &ends, &whole, &found.projection.kkt_report);
+        let forces = forces.into_values().map(|(contact, force)| {
+            let normal = force.dot(&contact.normal);
+            let tangential = if normal > 0.0 { force - contact.normal * normal } else { SVector::zeros() };
+            ContactForce { contact, force: normal, tangential }
+        });
+        FrictionProjection { velocities: found.projection.velocities, spins, forces: forces.collect(), kkt_report }
+    }
+
+    /// Forces of all contacts of own bodies, of bodies by number: those found with friction and the normal ones of the last change.
+    fn whole_forces(&self, found: &ProjectionShare<D>) -> BTreeMap<Identity<D>, (Contact<D>, SVector<f64, D>)> {
+        let mut forces: BTreeMap<Identity<D>, (Contact<D>, SVector<f64, D>)> =
+            self.contacts.iter().map(|(identity, contact)| (*identity, (*contact, self.forces[identity]))).collect();
+        for force in &found.projection.forces {
+            let contact = found.view.numbered(&force.contact);
+            forces.entry(contact.identity()).or_insert((contact, SVector::zeros())).1 += contact.normal * force.force;
         }
-        let forces = forces.into_values().map(|force| self.with_side(force)).collect();
-        let kkt_report = KktReport { friction: Some(report), ..found.projection.kkt_report };
-        FrictionProjection { velocities, spins, forces, kkt_report }
+        forces
     }
 
-    /// Normal forces of all contacts: those found with friction where that was solved, else those that keep bodies apart.
-    fn normals(&self, found: &ProjectionShare<D>) -> BTreeMap<Identity<D>, ContactForce<D>> {
-        let apart = found.projection.forces.iter().map(|force| ContactForce { contact: found.view.numbered(&force.contact), ..*force });
-        let mut normals: BTreeMap<Identity<D>, ContactForce<D>> = apart.map(|force| (force.contact.identity(), force)).collect();
-        for (identity, contact) in &self.contacts {
-            if self.forces.get(identity).is_none_or(|held| held.is_solved) {
-                normals.insert(*identity, ContactForce::normal(*contact, self.normal_force(contact)));
-            }
-        }
-        normals
-    }
-
-    fn whole_force(&self, identity: &Identity<D>, normals: &BTreeMap<Identity<D>, ContactForce<D>>) -> SVector<f64, D> {
-        let contact = &self.contacts[identity];
-        contact.normal * normals.get(identity).map_or(0.0, |force| force.force) + self.side(identity)
-    }
-
-    /// The tangential force of a contact.
-    fn side(&self, identity: &Identity<D>) -> SVector<f64, D> {
-        let (contact, held) = (&self.contacts[identity], self.forces.get(identity));
-        held.map_or_else(SVector::zeros, |held| held.force - contact.normal * held.force.dot(&contact.normal))
-    }
-
-    /// The force of a contact with its tangential part, if it presses.
-    fn with_side(&self, force: ContactForce<D>) -> ContactForce<D> {
-        let identity = force.contact.identity();
-        let presses = force.force > 0.0 && self.contacts.contains_key(&identity);
-        if presses { ContactForce { tangential: self.side(&identity), ..force } } else { force }
+    /// How good whole forces and the motions at the end are. Collective.
+    fn certify(&self, seen: &Seen<D>, ends: &[Twist<D>], whole: &dyn Fn(&Contact<D>) -> SVector<f64, D>, found: &KktReport) -> KktReport {
+        let Seen { view, masses, twists, contacts } = seen;
+        let (peers, Problem { domain, step, .. }) = (self.peers, self.share.problem);
+        let normals: Vec<ContactForce<D>> =
+            contacts.iter().map(|contact| ContactForce::normal(*contact, whole(contact).dot(&contact.normal))).collect();
+        let sides = |contact: &Contact<D>| whole(contact) - contact.normal * whole(contact).dot(&contact.normal);
+        let rubbed = self.changes_of(seen, &sides);
+        let wanted: Vec<SVector<f64, D>> =
+            self.share.problem.velocities.iter().zip(rubbed).map(|(wanted, change)| wanted + change.velocity).collect();
+        let problem = Problem { velocities: &view.halo.spread_vectors(peers, &wanted), ..view.problem(&self.share.problem) };
+        let report = kkt_report::certify(peers, view, &problem, &normals, &[]);
+        let mut friction = FrictionReport { sweeps: self.cost.sweeps, iterations: self.cost.iterations, ..FrictionReport::default() };
+        let surfaces = self.friction.surfaces;
+        certify(peers, &Certified { domain, view, masses, twists, ends, contacts, step, surfaces }, whole, &mut friction);
+        let KktReport { smallest_gap, iterations, solver, rounds, largest_island, .. } = *found;
+        KktReport { smallest_gap, iterations, solver, rounds, largest_island, friction: Some(friction), ..report }
     }
 }

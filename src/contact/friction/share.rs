@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::{SMatrix, SVector};
 
+use super::SurfaceFriction;
 use crate::contact::{ContactForce, Identity, KktReport};
 
 /// The own bodies of a rank as friction knows them, besides their [`Problem`](crate::contact::Problem), whose weights are masses over the step.
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionShare<'a, const D: usize> {
-    /// Coefficient of friction, positive.
-    pub coefficient: f64,
+    /// Coefficients of friction of all surfaces.
+    pub surfaces: &'a SurfaceFriction,
     /// Spins wanted.
     pub spins: &'a [SMatrix<f64, D, D>],
     /// Moments of inertia, infinite where a motion is given.

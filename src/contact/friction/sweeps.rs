@@ -4,19 +4,24 @@
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
-use super::{cone::tangential_size, link::Link, program::FrictionProgram};
+use super::{
+    cone::tangential_size,
+    link::{Link, NONE},
+    program::FrictionProgram,
+};
 
-/// Sweeps after which the residual is looked at.
+/// Sweeps after which the residual is looked at, and later the part of all sweeps so far.
 const EVERY: usize = 10;
+const LATER: usize = 10;
 
 /// Where the sweeps stand.
 pub struct Sweeps<'a, const D: usize, const W: usize> {
     program: &'a FrictionProgram<D, W>,
     /// The impulses.
     pub forces: Vec<[f64; D]>,
-    /// `A^T r`: sweeps know of no medium.
+    /// `A^T r`: sweeps know of no medium. One body more than there are, which no impulse moves, is the second of contacts that have one.
     motion: Vec<[f64; W]>,
-    order: Vec<usize>,
+    order: Vec<u32>,
     random: ChaCha8Rng,
     /// How many there were.
     pub count: usize,
@@ -27,43 +32,78 @@ pub struct Sweeps<'a, const D: usize, const W: usize> {
 impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
     /// None yet, from a guess.
     pub fn new(program: &'a FrictionProgram<D, W>, guess: Vec<[f64; D]>) -> Self {
-        let (motion, residual) = (program.motion(&guess), program.residual(&guess));
-        let order = (0..guess.len()).collect();
-        Sweeps { program, forces: guess, motion, order, random: ChaCha8Rng::seed_from_u64(0), count: 0, residual }
+        let order = (0..guess.len() as u32).collect();
+        let (motion, random) = (Vec::new(), ChaCha8Rng::seed_from_u64(0));
+        let mut sweeps = Sweeps { program, forces: guess, motion, order, random, count: 0, residual: 0.0 };
+        sweeps.look();
+        sweeps
+    }
+
+    /// Goes on from other impulses.
+    pub fn go_on(&mut self, forces: Vec<[f64; D]>) {
+        self.forces = forces;
+        self.look();
     }
 
     /// Sweeps until the residual is below a tolerance, or there were so many.
     pub fn run(&mut self, tolerance: f64, most: usize) {
         while self.residual > tolerance && self.count < most {
             // a contact alone is solved by the first
-            let next = if self.count == 0 { 1 } else { EVERY.min(most - self.count) };
+            let next = if self.count == 0 { 1 } else { EVERY.max(self.count / LATER).min(most - self.count) };
             (0..next).for_each(|_| self.sweep());
-            self.motion = self.program.motion(&self.forces);
-            self.residual = self.program.residual_of(&self.forces, &self.motion);
+            self.look();
         }
+    }
+
+    /// The motion of the impulses, without the rounding of all changes, and the residual.
+    fn look(&mut self) {
+        self.motion = self.program.motion(&self.forces);
+        self.residual = self.program.residual_of(&self.forces, &self.motion);
+        self.motion.push([0.0; W]);
     }
 
     fn sweep(&mut self) {
         self.count += 1;
         self.order.shuffle(&mut self.random);
         for &place in &self.order {
-            let (link, force) = (&self.program.links[place], &mut self.forces[place]);
-            let next = alone(link, force, &self.motion);
-            let change = std::array::from_fn(|axis| next[axis] - force[axis]);
-            link.push(&change, &mut self.motion);
-            *force = next;
+            alone(&self.program.links[place as usize], &mut self.forces[place as usize], &mut self.motion);
         }
     }
 }
 
-/// The impulse of a contact while all others stay.
-fn alone<const D: usize, const W: usize>(link: &Link<D, W>, force: &[f64; D], motion: &[[f64; W]]) -> [f64; D] {
-    let rates = link.rates(motion);
-    let without: [f64; D] = std::array::from_fn(|axis| rates[axis] + link.offset[axis] - force[axis]);
-    if without[0] >= 0.0 {
-        return [0.0; D];
+/// Gives a contact its impulse while all others stay. Without branches: what a contact does is as good as random.
+#[inline]
+fn alone<const D: usize, const W: usize>(link: &Link<D, W>, force: &mut [f64; D], motion: &mut [[f64; W]]) {
+    let nobody = motion.len() - 1;
+    let ends = [link.ends[0], if link.ends[1] == NONE { nobody } else { link.ends[1] }];
+    let (one, two) = (motion[ends[0]], motion[ends[1]]);
+    let mut without = link.offset;
+    for (axis, without) in without.iter_mut().enumerate() {
+        *without -= force[axis];
+        let entries = link.rows[0][axis].iter().zip(&link.rows[1][axis]).zip(one.iter().zip(&two));
+        entries.for_each(|((row, other), (one, two))| *without += row * one + other * two);
     }
-    let (normal, size) = (-without[0], tangential_size(&without));
-    let factor = if size <= link.friction * normal { 1.0 } else { link.friction * normal / size };
-    std::array::from_fn(|axis| if axis == 0 { normal } else { -factor * without[axis] })
+    let next = solution(&without, link.friction);
+    for (end, rows) in ends.into_iter().zip(&link.rows) {
+        for (axis, row) in rows.iter().enumerate() {
+            let change = next[axis] - force[axis];
+            motion[end].iter_mut().zip(row).for_each(|(moved, entry)| *moved += entry * change);
+        }
+    }
+    *force = next;
+}
+
+/// The impulse of a contact that moves so without one.
+#[inline]
+fn solution<const D: usize>(without: &[f64; D], friction: f64) -> [f64; D] {
+    let normal = (-without[0]).max(0.0);
+    let most = friction * normal;
+    let mut next = [normal; D];
+    if D == 2 {
+        next[1] = (-without[1]).clamp(-most, most);
+        return next;
+    }
+    let factor = (most / tangential_size(without).max(f64::MIN_POSITIVE)).min(1.0);
+    next[1..].iter_mut().zip(&without[1..]).for_each(|(next, without)| *next = -factor * without);
+    next
 }

@@ -47,7 +47,7 @@ impl<const D: usize> Pile<D> {
 
     fn program<const W: usize>(&self, coefficient: f64) -> FrictionProgram<D, W> {
         let Pile { domain, balls, masses, twists, step, contacts } = self;
-        FrictionIsland { domain, balls, masses, twists, step: *step, coefficient, contacts }.program()
+        FrictionIsland { domain, balls, masses, twists, step: *step, contacts, coefficients: &vec![coefficient; contacts.len()] }.program()
     }
 
     /// Impulses in units of momentum.

@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use super::Granular;
 use crate::{
     body::Twist,
-    contact::{FrictionProjection, FrictionShare, Problem, ProblemShare, project_with_friction},
+    contact::{FrictionProjection, FrictionShare, Problem, ProblemShare, SurfaceFriction, project_with_friction},
     error::{Error, Result},
     interaction::Touch,
     mechanics::State,
@@ -25,7 +25,8 @@ impl<const D: usize> Granular<D> {
                 "contact.friction = {coefficient}: acts on single balls with contact.model = \"inelastic\" so far; remove it"
             )));
         }
-        let kept = self.project_with_friction(state, wanted, coefficient, step)?;
+        let surfaces = self.interactions.surfaces().cloned().unwrap_or_else(|| SurfaceFriction::uniform(coefficient));
+        let kept = self.project_with_friction(state, wanted, &surfaces, step)?;
         let moves: Vec<Twist<D>> = kept.velocities.iter().zip(&kept.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
@@ -34,7 +35,13 @@ impl<const D: usize> Granular<D> {
     }
 
     /// Velocities and spins that keep contacts with friction, next to those wanted. Collective.
-    fn project_with_friction(&self, state: &State<D>, moves: &[Twist<D>], coefficient: f64, step: f64) -> Result<FrictionProjection<D>> {
+    fn project_with_friction(
+        &self,
+        state: &State<D>,
+        moves: &[Twist<D>],
+        surfaces: &SurfaceFriction,
+        step: f64,
+    ) -> Result<FrictionProjection<D>> {
         let (_stage, peers) = (enter(Stage::Contacts), self.peers());
         let (numbers, balls) = (state.numbers(), state.balls(&self.radii));
         let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
@@ -53,7 +60,7 @@ impl<const D: usize> Granular<D> {
         };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
         let last = state.held.iter().map(|held| (held.identity(), held.tangential)).collect();
-        let friction = FrictionShare { coefficient, spins: &spins, inertias: &inertias, last: &last };
+        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, last: &last };
         project_with_friction(peers, &share, &friction, &state.memory())
     }
 }

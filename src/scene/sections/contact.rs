@@ -6,7 +6,7 @@ use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `[contact]`.
-pub(in crate::scene) const KEYS: [Key; 6] = [
+pub(in crate::scene) const KEYS: [Key; 7] = [
     Key::new(
         "model",
         "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
@@ -21,12 +21,18 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "friction",
         "number or table",
         "0.5",
-        "Coefficient of Coulomb friction at all contacts, or { coefficient = 0.5 }: the largest tangential force over the normal force.",
+        "Coefficient of Coulomb friction of all surfaces for which no other is given, or { coefficient = 0.5 }: the largest tangential force of a contact over \
+        the normal force. Of surfaces that differ the smaller coefficient counts.",
     )
     .unit("ratio")
     .default("0")
     .range("at least 0")
     .needs("time.end = 1.0; contact.model = \"inelastic\""),
+    Key::new("wall_friction", "number", "0.3", "Coefficient of friction of walls; of a contact the smaller coefficient of its two surfaces counts.")
+        .unit("ratio")
+        .default("that of `contact.friction`")
+        .range("at least 0")
+        .needs("flow.model = \"none\"; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
     Key::new("roughness", "number", "1e-2", "Gap at which bodies in a fluid touch, over the mean of their radii. Walls are smooth: half of it counts there.")
         .unit("radii")
         .default("0; with friction `lubrication.roughness`")
@@ -68,8 +74,10 @@ pub(in crate::scene) const FRICTION_KEYS: [Key; 1] =
 pub struct ContactSection {
     /// The law of contact.
     pub model: ContactModel,
-    /// Coefficient of friction, the same at all contacts; 0 without friction.
+    /// Coefficient of friction of all surfaces for which no other is given; 0 without friction.
     pub friction: f64,
+    /// Coefficient of friction of walls, if it is another.
+    pub wall_friction: Option<f64>,
     /// Gap at which bodies in a fluid touch, over the mean of their radii, if it is given.
     pub roughness: Option<f64>,
 }
@@ -98,8 +106,14 @@ pub enum ContactModel {
 }
 
 /// Keys that only one law of contact has.
-const OF_ONE_LAW: [(&str, &str); 5] =
-    [("friction", "inelastic"), ("roughness", "inelastic"), ("stiffness", "repulsion"), ("range", "repulsion"), ("gamma_min", "gluey")];
+const OF_ONE_LAW: [(&str, &str); 6] = [
+    ("friction", "inelastic"),
+    ("wall_friction", "inelastic"),
+    ("roughness", "inelastic"),
+    ("stiffness", "repulsion"),
+    ("range", "repulsion"),
+    ("gamma_min", "gluey"),
+];
 
 /// Largest roughness, in radii.
 const LARGEST_ROUGHNESS: f64 = 0.1;
@@ -129,7 +143,8 @@ impl ContactSection {
             }
         }
         let roughness = table.get("roughness").map(|entry| roughness(&entry)).transpose()?;
-        Ok(ContactSection { model, friction, roughness })
+        let wall_friction = table.get("wall_friction").map(|entry| entry.not_negative()).transpose()?;
+        Ok(ContactSection { model, friction, wall_friction, roughness })
     }
 }
 
