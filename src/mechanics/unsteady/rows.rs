@@ -63,7 +63,8 @@ impl<const D: usize> Past<'_, D> {
             self.replace_inside(grid, body_types, centers, [&mut rows, &mut known])?;
             // frames that slide past each other see what lags behind at different places
             if grid.domain().slide().is_none() {
-                rows.add(1.0, &viscous_defect(grid, body_types, centers, &known)?)?;
+                // a layer thinner than a cell, as at the start, has no third differences
+                rows.add(self.levels[0].0.resolved, &viscous_defect(grid, body_types, centers, &known)?)?;
             }
         }
         Ok(rows)
