@@ -18,7 +18,9 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, ImmersedBodies, NetworkResistance},
+    contact::{
+        Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, ImmersedBodies, NetworkResistance, SurfaceFriction,
+    },
     error::{Error, Result},
     interaction::{Friction, Spring},
     mechanics::{ContactHistory, ResidualMonitor, Solution},
@@ -171,7 +173,8 @@ impl<const D: usize> QuasiStatic<D> {
         let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
         let network = self.network(instant, step);
-        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient: friction.coefficient, step };
+        let surfaces = surfaces_of(instant);
+        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, surfaces: &surfaces, step };
         let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &forces), &forces);
         let mut forces = forces_at(&rounds.contacts, &forces);
         if begins_on_springs(instant) {
@@ -200,7 +203,7 @@ impl<const D: usize> QuasiStatic<D> {
             {
                 return Ok(best);
             }
-            if !rounds.next() {
+            if !rounds.next() || round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
                 return Err(jammed(placed, step, friction));
             }
             effort.contact += start.elapsed().as_secs_f64();
@@ -224,8 +227,8 @@ impl<const D: usize> QuasiStatic<D> {
         let balls = &placed.touching;
         let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
         let network = self.network(instant, step);
-        let coefficient = friction_of(instant).coefficient;
-        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, coefficient, step };
+        let surfaces = surfaces_of(instant);
+        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, surfaces: &surfaces, step };
         let mut contacts: Vec<Contact<D>> = memory.keys().map(|&identity| contact_again(placed, identity)).collect();
         contacts.sort_by_key(Contact::identity);
         let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
@@ -320,6 +323,11 @@ fn begins_on_springs<const D: usize>(instant: &KnownInstant<D>) -> bool {
 
 fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
     instant.interactions.friction().expect("there is friction")
+}
+
+fn surfaces_of<const D: usize>(instant: &KnownInstant<D>) -> SurfaceFriction {
+    let uniform = || SurfaceFriction::uniform(friction_of(instant).coefficient);
+    instant.interactions.surfaces().cloned().unwrap_or_else(uniform)
 }
 
 /// A contact where its bodies are now.

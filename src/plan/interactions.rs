@@ -29,26 +29,20 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
     });
-    Interactions::new(contact.into_iter().chain(unequal_friction(scene, groups).or_else(|| friction(scene))))
+    Interactions::new(contact.into_iter().chain(friction(scene, groups)))
 }
 
-/// Friction of surfaces that differ, of bodies of these groups; nothing if all are alike.
-fn unequal_friction<const D: usize>(scene: &Scene, groups: &[usize]) -> Option<Rc<dyn Interaction<D>>> {
-    if !scene.frictions_differ() {
-        return None;
-    }
-    let all = scene.contact.friction;
-    let bodies = groups.iter().map(|&group| scene.bodies[group].friction.unwrap_or(all)).collect();
-    let surfaces = SurfaceFriction::new(bodies, scene.contact.wall_friction.unwrap_or(all));
-    let friction = Friction { coefficient: surfaces.largest(), roughness: 0.0 };
-    Some(Rc::new(UnequalFriction { friction, surfaces }))
-}
-
-/// Friction and roughness of the surfaces of a scene, if there are any.
-pub fn friction<const D: usize>(scene: &Scene) -> Option<Rc<dyn Interaction<D>>> {
+/// Friction and roughness of the surfaces of a scene, whose bodies are of these groups, if there are any.
+pub fn friction<const D: usize>(scene: &Scene, groups: &[usize]) -> Option<Rc<dyn Interaction<D>>> {
     let coefficient = scene.contact.friction;
     let of_films = scene.lubrication.roughness().filter(|_| coefficient > 0.0);
     let roughness = scene.contact.roughness.or(of_films).unwrap_or(0.0);
+    if scene.frictions_differ() {
+        let bodies = groups.iter().map(|&group| scene.bodies[group].friction.unwrap_or(coefficient)).collect();
+        let surfaces = SurfaceFriction::new(bodies, scene.contact.wall_friction.unwrap_or(coefficient));
+        let friction = Friction { coefficient: surfaces.largest(), roughness };
+        return Some(Rc::new(UnequalFriction { friction, surfaces }));
+    }
     (coefficient > 0.0 || roughness > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient, roughness }) })
 }
 

@@ -99,8 +99,13 @@ impl<const D: usize> Setup<D> {
         let trajectories = trajectories(peers, scene, &placed)?;
         let (bonds, joints) = (chains::bonds(scene, &placed), chains::joints(scene, &placed));
         let welds = interactions::welds(scene, &placed);
+        let groups: Vec<usize> = placed.iter().map(|&(group, _)| group).collect();
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
+        let setup = match interactions::friction(scene, &groups) {
+            Some(friction) => Setup { interactions: Interactions::new(setup.interactions.shared().chain([friction])), ..setup },
+            None => setup,
+        };
         let setup = match bonds {
             Some(bonds) => setup.with(bonds),
             None => setup,
@@ -140,9 +145,7 @@ impl<const D: usize> Setup<D> {
             Some(roughness) => setup.with(Lubrication::new(roughness)),
             None => setup,
         };
-        let setup = setup.with_contact(scene.contact.model);
-        let all: Vec<_> = setup.interactions.shared().chain(interactions::friction(scene)).collect();
-        Setup { interactions: Interactions::new(all), ..setup }
+        setup.with_contact(scene.contact.model)
     }
 
     /// The same with contacts by a model, whose numbers count in the force that drives bodies.

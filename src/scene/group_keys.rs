@@ -69,7 +69,7 @@ pub(super) const BODY_KEYS: [Key; 14] = [
     .unit("ratio")
     .default("that of `contact.friction`")
     .range("at least 0")
-    .needs("flow.model = \"none\"; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
+    .needs("time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
     Key::new("motion", "\"free\", \"fixed\" or a table", "\"fixed\"", "How the bodies move: as forces have it, not at all, or as told.")
         .default("\"free\""),
     FORCE.needs(FREE),

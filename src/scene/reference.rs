@@ -60,7 +60,7 @@ pub const SECTIONS: [KeySection; 19] = [
     KeySection {
         name: "contact.friction",
         written: "friction = { .. } of [contact]",
-        about: "Friction at contacts of dry bodies.",
+        about: "Friction at contacts.",
         keys: &FRICTION_KEYS,
     },
     KeySection { name: "lubrication", written: "[lubrication]", about: "Films between bodies that nearly touch.", keys: &LUBRICATION_KEYS },

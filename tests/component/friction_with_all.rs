@@ -21,6 +21,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(rods_that_rub_are_rigid_and_in_balance),
         Test::of(chains_and_rings_that_rub_are_in_balance),
         Test::of(clusters_in_space_that_rub_are_in_balance),
+        Test::of(the_smoother_surface_of_a_contact_counts),
         Test::of(a_heavy_disk_in_a_thin_fluid_slides_until_it_rolls),
         Test::of(a_crowd_with_inertia_obeys_the_law),
     ]
@@ -123,7 +124,7 @@ fn chains_and_rings_that_rub_are_in_balance(session: &Session) {
     }
     let ring = "chains = [{ beads = 8, radius = 0.5, spacing = 1.06, stretch = \"rigid\", bend = 5.0, shape = \"ring\", count = 1, \
                 force = [0.0, -200.0] }]";
-    proves::<2>(session, &crowd(WALLS, 4.0, ring).replace("1e-8", "1e-7"), &[0..8], 1);
+    proves::<2>(session, &crowd(WALLS, 4.0, ring).replace("1e-8", "1e-7"), std::slice::from_ref(&(0..8)), 1);
 }
 
 fn clusters_in_space_that_rub_are_in_balance(session: &Session) {
@@ -181,4 +182,39 @@ fn a_crowd_with_inertia_obeys_the_law(session: &Session) {
         simulation.step(&observation, &mut |_, _| {}).unwrap();
     }
     assert!(rubbed > 5, "{rubbed}");
+}
+
+/// Balls that are pressed on the floor of a shear: of 0.02, of 0, and of what all others have, which does not slip.
+fn the_smoother_surface_of_a_contact_counts(session: &Session) {
+    fn proof<const D: usize>(session: &Session, text: &str, walls: &str) {
+        let text = text.replace("WALLS", walls);
+        let mut simulation = Simulation::<D>::new(session, &Scene::parse("surfaces", Path::new("."), &text, &[]).unwrap()).unwrap();
+        let mut last = Vec::new();
+        while !simulation.over() {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            assert!(observation.friction.unwrap().residual <= FrictionReport::TOLERANCE_IN_FLOW);
+            last = vec![f64::NAN; 3];
+            for pressed in observation.contacts.iter().filter(|pressed| pressed.force > 0.0) {
+                last[pressed.contact.body] = pressed.tangential.norm() / pressed.force;
+            }
+            simulation.step(&observation, &mut |_, _| {}).unwrap();
+        }
+        let rubs = if walls.is_empty() { last[2] > 0.03 } else { (last[2] - 0.01).abs() < 1e-5 };
+        let least = if walls.is_empty() { 0.02 } else { 0.01 };
+        assert!((last[0] - least).abs() < 1e-5 && last[1] == 0.0 && rubs, "{last:?}");
+    }
+    let disks = "domain = { size = [15.0, 5.0], y = { lower = [0.0, 0.0], upper = [5.0, 0.0] } }\nflow = { model = \"stokes\" }\n\
+                 resolution = { cells_per_radius = 4 }\nmethod = { inverse = \"transform\", tolerance = 1e-8 }\n\
+                 bodies = [{ radius = 1.0, friction = 0.02, centers = [[2.5, 1.0101]], force = [0.0, -20.0] },\n\
+                 { radius = 1.0, friction = 0.0, centers = [[7.5, 1.0101]], force = [0.0, -20.0] },\n\
+                 { radius = 1.0, centers = [[12.5, 1.0101]], force = [0.0, -20.0] }]\n\
+                 contact = { model = \"inelastic\", friction = 5.0, roughness = 0.02WALLS }\ntime = { end = 0.15, step = 0.05 }\n";
+    ["", ", wall_friction = 0.01"].into_iter().for_each(|walls| proof::<2>(session, disks, walls));
+    let spheres = "domain = { size = [12.0, 4.0, 4.0], y = { lower = [0.0, 0.0, 0.0], upper = [4.0, 0.0, 0.0] } }\nflow = { model = \"stokes\" }\n\
+                   resolution = { cells_per_radius = 3 }\nmethod = { inverse = \"transform\", tolerance = 1e-7 }\n\
+                   bodies = [{ radius = 1.0, friction = 0.02, centers = [[2.0, 1.0101, 2.0]], force = [0.0, -20.0, 0.0] },\n\
+                   { radius = 1.0, friction = 0.0, centers = [[6.0, 1.0101, 2.0]], force = [0.0, -20.0, 0.0] },\n\
+                   { radius = 1.0, centers = [[10.0, 1.0101, 2.0]], force = [0.0, -20.0, 0.0] }]\n\
+                   contact = { model = \"inelastic\", friction = 5.0, roughness = 0.02WALLS }\ntime = { end = 0.1, step = 0.05 }\n";
+    proof::<3>(session, spheres, "");
 }

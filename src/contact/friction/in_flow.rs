@@ -65,6 +65,8 @@ pub struct FlowContacts<'a, const D: usize, const W: usize> {
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
     frames: Vec<Frame<D>>,
+    /// Coefficient of friction of each.
+    coefficients: Vec<f64>,
     program: FrictionProgram<D, W>,
     /// What the last coupled solve found, in the rows of the program.
     found: Vec<([f64; D], [f64; D])>,
@@ -75,24 +77,18 @@ pub struct FlowContacts<'a, const D: usize, const W: usize> {
 impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     /// Contacts of bodies that have not been solved for.
     pub fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>) -> Self {
-        let ImmersedBodies { domain, balls, resistance, coefficient, step } = immersed;
+        let ImmersedBodies { domain, balls, resistance, surfaces, step } = immersed;
+        let coefficients: Vec<f64> = contacts.iter().map(|contact| surfaces.of(contact.identity())).collect();
         let resistances = &resistance.bodies[..];
         let free: Vec<usize> = (0..balls.len()).filter(|&body| resistances[body][0].is_finite()).collect();
         let still = vec![Twist::zero(); balls.len()];
-        let island = FrictionIsland {
-            domain,
-            balls,
-            masses: resistances,
-            twists: &still,
-            step,
-            contacts: &contacts,
-            coefficients: &vec![coefficient; contacts.len()],
-        };
+        let island =
+            FrictionIsland { domain, balls, masses: resistances, twists: &still, step, contacts: &contacts, coefficients: &coefficients };
         // without contacts nobody asks what resists
         let program = island.program_of(&free);
         let program = if contacts.is_empty() { program } else { program.in_medium(resistance.medium(&free)) };
         let frames = contacts.iter().map(|contact| Frame::new(contact, balls)).collect();
-        FlowContacts { immersed, frames, program, found: Vec::new(), iterations: 0, contacts }
+        FlowContacts { immersed, frames, coefficients, program, found: Vec::new(), iterations: 0, contacts }
     }
 
     /// Takes what a coupled solve found, and gives how far from the law it is: the largest component of the natural map, over that of the velocities that
@@ -159,12 +155,16 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     fn held(&self, place: usize, force: &[f64; D], velocity: &[f64; D]) -> HeldContact<D> {
         let (link, frame) = (&self.program.links[place], &self.frames[place]);
-        let state = ContactState::of(force, velocity, link.friction);
+        let state = match ContactState::of(force, velocity, link.friction) {
+            // nothing holds it
+            ContactState::Sticking if self.coefficients[place] == 0.0 => ContactState::Slipping,
+            state => state,
+        };
         let aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
         let size = tangential_size(&aim);
         let direction = if size > 0.0 { frame.tangential(&aim) / size } else { SVector::zeros() };
         let in_space = (0..D).map(|axis| frame.axes[axis] * (force[axis] / link.norms[axis])).sum();
-        let ease = tangential_size(velocity) * link.norms[1] / (self.immersed.coefficient * force[0] / link.norms[0]);
+        let ease = tangential_size(velocity) * link.norms[1] / (self.coefficients[place] * force[0] / link.norms[0]);
         HeldContact { state, force: in_space, direction, ease: if ease.is_finite() { ease.max(0.0) } else { 0.0 } }
     }
 
@@ -182,9 +182,9 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
                 (0..D).map(|axis| self.row(place, (&axes[axis], &axes[axis]), soft(axis), held.force.dot(&axes[axis]))).collect()
             }
             ContactState::Slipping => {
-                let push = axes[0] + held.direction * self.immersed.coefficient;
+                let push = axes[0] + held.direction * self.coefficients[place];
                 let mut rows = vec![self.row(place, (&axes[0], &push), soft(0), held.force.dot(&axes[0]))];
-                if D == 3 {
+                if D == 3 && self.coefficients[place] > 0.0 {
                     let across = cross(&axes[0], &held.direction);
                     rows.push(self.row(place, (&across, &across), held.ease.max(norms[1] * norms[1] / STIFFEST), 0.0));
                 }
@@ -218,7 +218,9 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     fn scaled_velocity(&self, place: usize, twists: &[Twist<D>]) -> [f64; D] {
         let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.links[place].norms);
         let velocity = frame.velocity((self.immersed.domain, contact), twists, self.immersed.step);
-        std::array::from_fn(|axis| velocity[axis] / norms[axis])
+        // a smooth contact slides as it likes
+        let counts = |axis: usize| axis == 0 || self.coefficients[place] > 0.0;
+        std::array::from_fn(|axis| if counts(axis) { velocity[axis] / norms[axis] } else { 0.0 })
     }
 
     /// How well the law is kept by the last solve.
@@ -258,7 +260,7 @@ mod tests {
     use super::*;
     use crate::{
         body::skew,
-        contact::NetworkResistance,
+        contact::{NetworkResistance, SurfaceFriction},
         geometry::{Axis, Ball, Domain},
     };
 
@@ -270,7 +272,8 @@ mod tests {
         let balls: Vec<Ball<3>> = centers.iter().zip(radii).map(|(&center, radius)| Ball { center, radius }).collect();
         let contact = Contact::between(&domain, &balls, [0, 1], centers[1] - centers[0]);
         let resistance = NetworkResistance { bodies: vec![[2.0, 3.0], [1.0, 0.5]], ..NetworkResistance::default() };
-        let immersed = ImmersedBodies { domain: &domain, balls: &balls, resistance: &resistance, coefficient: 0.5, step: 0.1 };
+        let surfaces = SurfaceFriction::uniform(0.5);
+        let immersed = ImmersedBodies { domain: &domain, balls: &balls, resistance: &resistance, surfaces: &surfaces, step: 0.1 };
         let twists = [([0.3, 0.1, -0.2], [0.2, 0.7, -0.4]), ([-0.5, 0.2, 0.4], [0.1, -0.3, 0.9])]
             .map(|(velocity, spin)| Twist { velocity: Vector3::from(velocity), spin: skew(&spin) });
         let mut contacts = FlowContacts::<3, 6>::new(immersed, vec![contact]);

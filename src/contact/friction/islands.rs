@@ -108,7 +108,7 @@ impl<const D: usize> Shared<'_, D> {
         let (contact, body) = (record::<D>(), Traveller::<D>::LENGTH);
         for numbers in self.peers.deliver(&letters).chunks(contact + 1 + 2 * body) {
             let (identity, guess, home) = read(&numbers[..contact]);
-            let island = islands.entry(home as u64).or_insert_with(Gathered::default);
+            let island = islands.entry(home as u64).or_default();
             island.is_new |= numbers[contact] == 0.0;
             island.contacts.insert(identity, guess);
             island.bodies.extend(numbers[contact + 1..].chunks(body).map(Traveller::read));

@@ -1,6 +1,7 @@
 //! What bodies in a fluid resist as a network: each alone, films, and the flow between near ones.
 
 use super::{
+    SurfaceFriction,
     link::NONE,
     medium::{Medium, Resisting},
 };
@@ -21,8 +22,8 @@ pub struct ImmersedBodies<'a, const D: usize> {
     pub balls: &'a [Ball<D>],
     /// What resists.
     pub resistance: &'a NetworkResistance<D>,
-    /// Coefficient of friction.
-    pub coefficient: f64,
+    /// Coefficients of friction.
+    pub surfaces: &'a SurfaceFriction,
     /// Length of the step.
     pub step: f64,
 }

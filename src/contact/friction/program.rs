@@ -123,7 +123,9 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     pub fn in_medium(mut self, medium: Medium<W>) -> Self {
         let mobilities = medium.own_mobilities(&self.links);
         for (link, mobility) in self.links.iter_mut().zip(mobilities) {
+            // nothing moves a contact without friction along its tangents
             let tangential = mobility[1..].iter().sum::<f64>() / (D - 1) as f64;
+            let tangential = if tangential > 0.0 { tangential } else { 1.0 };
             link.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
         }
         self.medium = Rc::new(medium);

@@ -32,7 +32,7 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         .unit("ratio")
         .default("that of `contact.friction`")
         .range("at least 0")
-        .needs("flow.model = \"none\"; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
+        .needs("time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
     Key::new("roughness", "number", "1e-2", "Gap at which bodies in a fluid touch, over the mean of their radii. Walls are smooth: half of it counts there.")
         .unit("radii")
         .default("0; with friction `lubrication.roughness`")
