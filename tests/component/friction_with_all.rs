@@ -19,8 +19,8 @@ use crate::Test;
 pub fn tests() -> Vec<Test> {
     vec![
         Test::of(rods_that_rub_are_rigid_and_in_balance),
-        Test::of(chains_and_rings_that_rub_are_in_balance),
-        Test::of(clusters_in_space_that_rub_are_in_balance),
+        Test::only_on(1, chains_and_rings_that_rub_are_in_balance),
+        Test::only_on(1, clusters_in_space_that_rub_are_in_balance),
         Test::of(the_smoother_surface_of_a_contact_counts),
         Test::of(a_heavy_disk_in_a_thin_fluid_slides_until_it_rolls),
         Test::of(a_crowd_with_inertia_obeys_the_law),
