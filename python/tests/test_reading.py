@@ -50,6 +50,29 @@ def test_a_frame_holds_what_its_file_holds(name, request):
             assert len(frame) == file.attrs["body_count"] == len(frame.bodies)
 
 
+def test_forces_of_friction_lie_in_the_cone_and_across_the_normals(tmp_path):
+    scene = {
+        "seed": 2,
+        "gravity": [0.0, -1.0],
+        "domain": {"size": [6.0, 8.0], "y": "walls"},
+        "flow": {"model": "none"},
+        "bodies": [{"radius": 0.3, "count": 20, "gap": 0.2}],
+        "contact": {"model": "inelastic", "friction": 0.5},
+        "time": {"end": 6.0, "step": 0.05},
+        "output": {"every": 6.0},
+    }
+    run = turbid.run(scene, out=tmp_path / "rubs", ranks=1, progress=False)
+    contacts = run.frames[-1].contacts
+    with stored(run, -1) as file:
+        same(contacts.friction, file["contacts/friction"][:, :2])
+    assert len(contacts) > 10
+    size = np.linalg.norm(contacts.friction, axis=1)
+    assert (size <= 0.5 * contacts.force * (1 + 1e-9)).all() and size.max() > 0.01
+    # forces of the last step, since when normals have turned a little
+    assert abs(np.einsum("ij,ij->i", contacts.friction, contacts.normal)).max() < 0.02 * size.max()
+    same(contacts.table["friction_x"], contacts.friction[:, 0])
+
+
 def test_rotations_turn_with_the_spins(walls):
     first, second = walls.frames[0], walls.frames[1]
     angle = np.arctan2(second.rotations[:, 1, 0], second.rotations[:, 0, 0])

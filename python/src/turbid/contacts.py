@@ -46,7 +46,7 @@ class Contacts:
     def table(self) -> pd.DataFrame:
         """All of it as a table."""
         columns: dict[str, npt.NDArray[np.generic]] = {"body": self.body, "partner": self.partner, "gap": self.gap, "force": self.force}
-        vectors_of = {"point": self.point, "normal": self.normal, "image": self.image}
+        vectors_of: dict[str, npt.NDArray[np.generic]] = {"point": self.point, "normal": self.normal, "image": self.image}
         if self.friction is not None:
             vectors_of["friction"] = self.friction
         for name, vectors in vectors_of.items():
