@@ -2,28 +2,22 @@
 //!
 //! Where these were tried before in the step, only contacts that miss the law most change, each as if it were alone; fewer of them until that was not tried.
 
-use std::{
-    collections::{HashMap, HashSet},
-    time::Instant,
-};
+use std::time::Instant;
 
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    implicit_springs::{kept_apart, pair},
-    quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, Placed, QuasiStatic, disagreement, velocities},
+    friction_contacts::{Forces, contact_again, forces_at, forces_of, friction_of, jammed, surfaces_of},
+    quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, QuasiStatic, disagreement},
     step_control::StepSize,
     stepper::Effort,
-    travel::strain_rate,
 };
 use crate::{
     body::{Row, Twist},
-    contact::{
-        Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, Identity, ImmersedBodies, NetworkResistance, SurfaceFriction,
-    },
-    error::{Error, Result},
-    interaction::{Friction, Spring},
-    mechanics::{ContactHistory, ResidualMonitor, Solution},
+    contact::{Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, ImmersedBodies},
+    error::Result,
+    interaction::Spring,
+    mechanics::{ResidualMonitor, Solution},
     petsc::{Stage, enter},
 };
 
@@ -47,13 +41,6 @@ const MOST_REPEATED: i32 = 2;
 
 /// Part of the largest miss of the law from which contacts change where the network has nothing new to say.
 const WORST: f64 = 0.5;
-
-/// Gaps up to which pairs take part: so many times what they may close by in a step, and no less than this many radii of the largest body.
-const CLOSING: f64 = 2.0;
-const NEAREST: f64 = 0.02;
-
-/// Forces by contact, as vectors on the partner.
-type Forces<const D: usize> = HashMap<Identity<D>, SVector<f64, D>>;
 
 /// The flow with which a step begins.
 struct FirstFlow<const D: usize> {
@@ -256,64 +243,6 @@ impl<const D: usize> QuasiStatic<D> {
         held.iter().zip(&solution.contact_forces).for_each(|(held, force)| forces[held.contact] += held.unit * *force);
         Ok((solution, twists, forces))
     }
-
-    /// What bodies resist as a network, with what ties them over a step.
-    fn network(&self, instant: &KnownInstant<D>, step: f64) -> NetworkResistance<D> {
-        NetworkResistance { bonds: self.bonds(instant, step), ..self.suspension.resistance().of_network() }
-    }
-
-    /// Contacts that may close in a step, and those that bear forces, in order.
-    fn may_touch(&self, instant: &KnownInstant<D>, twists: &[Twist<D>], step: f64, forces: &Forces<D>) -> Vec<Contact<D>> {
-        let placed = &instant.placed;
-        let largest = self.radii.iter().copied().fold(0.0, f64::max);
-        let closing = CLOSING * step / self.time_of_travel(placed, twists);
-        let mut contacts = self.arrangement_of(placed, &placed.touching).near(closing.max(NEAREST) * largest);
-        contacts.retain(self.untied(instant, step));
-        let found: HashSet<Identity<D>> = contacts.iter().map(Contact::identity).collect();
-        let others = forces.keys().filter(|identity| !found.contains(*identity));
-        contacts.extend(others.map(|&identity| contact_again(placed, identity)));
-        contacts.sort_by_key(Contact::identity);
-        contacts
-    }
-
-    /// Contacts that would close in the step, on the whole way, and that the rounds do not know.
-    fn missing<const W: usize>(
-        &self,
-        instant: &KnownInstant<D>,
-        twists: &[Twist<D>],
-        step: f64,
-        known: &FlowContacts<D, W>,
-    ) -> Result<Vec<Contact<D>>> {
-        let known: HashSet<Identity<D>> = known.contacts.iter().map(Contact::identity).collect();
-        let projection = self.contact_step(&instant.placed, step).project(&velocities(twists), &[])?;
-        let pressed = projection.forces.into_iter().filter(|pressed| pressed.force > 0.0).map(|pressed| pressed.contact);
-        let untied = self.untied(instant, step);
-        Ok(pressed.filter(|contact| !known.contains(&contact.identity()) && untied(contact)).collect())
-    }
-
-    /// Tells whether nothing else holds the bodies of a contact at their distance over a step: neither welds nor stiff springs.
-    fn untied<'a>(&self, instant: &'a KnownInstant<D>, step: f64) -> impl Fn(&Contact<D>) -> bool + 'a {
-        let (tied, cluster_of) = (kept_apart(&instant.springs, &self.weights, step), instant.interactions.cluster_of());
-        move |contact| {
-            let sprung = contact.other().is_some_and(|other| tied.contains(&pair(contact.body, other)));
-            !sprung && !contact.within_cluster(cluster_of, |body| body)
-        }
-    }
-}
-
-fn are_like<const D: usize>(one: &[HeldContact<D>], other: &[HeldContact<D>]) -> bool {
-    one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one.is_like(other))
-}
-
-/// What to say where no motion keeps contacts.
-fn jammed<const D: usize>(placed: &Placed<D>, step: f64, friction: Friction) -> Error {
-    let (time, Friction { coefficient, roughness }) = (placed.state.time, friction);
-    let strain = strain_rate(&placed.domain) * time;
-    let text = format!(
-        "at time {time}, strain {strain:.4}, bodies are jammed: no motion of theirs keeps contacts apart in a step of {step:.3e} (contact.friction = \
-         {coefficient}, roughness {roughness}); go on from the last checkpoint with less friction or roughness, or choose a lower fraction"
-    );
-    Error::StepTooLong { text, step }
 }
 
 /// Whether the first step of the run is due, and springs move in it.
@@ -321,30 +250,7 @@ fn begins_on_springs<const D: usize>(instant: &KnownInstant<D>) -> bool {
     instant.placed.state.last_step == 0.0 && !instant.springs.is_empty()
 }
 
-fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
-    instant.interactions.friction().expect("there is friction")
-}
-
-fn surfaces_of<const D: usize>(instant: &KnownInstant<D>) -> SurfaceFriction {
-    let uniform = || SurfaceFriction::uniform(friction_of(instant).coefficient);
-    instant.interactions.surfaces().cloned().unwrap_or_else(uniform)
-}
-
-/// A contact where its bodies are now.
-fn contact_again<const D: usize>(placed: &Placed<D>, identity: Identity<D>) -> Contact<D> {
-    Contact::again(&placed.domain, &placed.touching, identity)
-}
-
-/// The forces of contacts in the last step.
-fn forces_of<const D: usize>(placed: &Placed<D>) -> Forces<D> {
-    let force = |held: &ContactHistory<D>| {
-        let normal = contact_again(placed, held.identity()).normal;
-        normal * (held.force - normal.dot(&held.tangential)) + held.tangential
-    };
-    placed.state.held.iter().map(|held| (held.identity(), force(held))).collect()
-}
-
-/// The forces of contacts, zero where none is known.
-fn forces_at<const D: usize, const W: usize>(contacts: &FlowContacts<D, W>, forces: &Forces<D>) -> Vec<SVector<f64, D>> {
-    contacts.contacts.iter().map(|contact| forces.get(&contact.identity()).copied().unwrap_or_else(SVector::zeros)).collect()
+/// Whether contacts are held alike.
+fn are_like<const D: usize>(one: &[HeldContact<D>], other: &[HeldContact<D>]) -> bool {
+    one.len() == other.len() && one.iter().zip(other).all(|(one, other)| one.is_like(other))
 }

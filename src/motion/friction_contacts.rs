@@ -1,0 +1,111 @@
+//! Contacts with friction in a flow: which take part in a step, what they bore in the last one, and what bodies resist as a network.
+
+use std::collections::{HashMap, HashSet};
+
+use nalgebra::SVector;
+
+use super::{
+    implicit_springs::{kept_apart, pair},
+    quasi_static::{KnownInstant, Placed, QuasiStatic, velocities},
+    travel::strain_rate,
+};
+use crate::{
+    body::Twist,
+    contact::{Contact, FlowContacts, Identity, NetworkResistance, SurfaceFriction},
+    error::{Error, Result},
+    interaction::Friction,
+    mechanics::ContactHistory,
+};
+
+/// Gaps up to which pairs take part: so many times what they may close by in a step, and no less than this many radii of the largest body.
+const CLOSING: f64 = 2.0;
+const NEAREST: f64 = 0.02;
+
+/// Forces by contact, as vectors on the partner.
+pub(super) type Forces<const D: usize> = HashMap<Identity<D>, SVector<f64, D>>;
+
+impl<const D: usize> QuasiStatic<D> {
+    /// What bodies resist as a network, with what ties them over a step.
+    pub(super) fn network(&self, instant: &KnownInstant<D>, step: f64) -> NetworkResistance<D> {
+        NetworkResistance { bonds: self.bonds(instant, step), ..self.suspension.resistance().of_network() }
+    }
+
+    /// Contacts that may close in a step, and those that bear forces, in order.
+    pub(super) fn may_touch(&self, instant: &KnownInstant<D>, twists: &[Twist<D>], step: f64, forces: &Forces<D>) -> Vec<Contact<D>> {
+        let placed = &instant.placed;
+        let largest = self.radii.iter().copied().fold(0.0, f64::max);
+        let closing = CLOSING * step / self.time_of_travel(placed, twists);
+        let mut contacts = self.arrangement_of(placed, &placed.touching).near(closing.max(NEAREST) * largest);
+        contacts.retain(self.untied(instant, step));
+        let found: HashSet<Identity<D>> = contacts.iter().map(Contact::identity).collect();
+        let others = forces.keys().filter(|identity| !found.contains(*identity));
+        contacts.extend(others.map(|&identity| contact_again(placed, identity)));
+        contacts.sort_by_key(Contact::identity);
+        contacts
+    }
+
+    /// Contacts that would close in the step, on the whole way, and that the rounds do not know.
+    pub(super) fn missing<const W: usize>(
+        &self,
+        instant: &KnownInstant<D>,
+        twists: &[Twist<D>],
+        step: f64,
+        known: &FlowContacts<D, W>,
+    ) -> Result<Vec<Contact<D>>> {
+        let known: HashSet<Identity<D>> = known.contacts.iter().map(Contact::identity).collect();
+        let projection = self.contact_step(&instant.placed, step).project(&velocities(twists), &[])?;
+        let pressed = projection.forces.into_iter().filter(|pressed| pressed.force > 0.0).map(|pressed| pressed.contact);
+        let untied = self.untied(instant, step);
+        Ok(pressed.filter(|contact| !known.contains(&contact.identity()) && untied(contact)).collect())
+    }
+
+    /// Tells whether nothing else holds the bodies of a contact at their distance over a step: neither welds nor stiff springs.
+    fn untied<'a>(&self, instant: &'a KnownInstant<D>, step: f64) -> impl Fn(&Contact<D>) -> bool + 'a {
+        let (tied, cluster_of) = (kept_apart(&instant.springs, &self.weights, step), instant.interactions.cluster_of());
+        move |contact| {
+            let sprung = contact.other().is_some_and(|other| tied.contains(&pair(contact.body, other)));
+            !sprung && !contact.within_cluster(cluster_of, |body| body)
+        }
+    }
+}
+
+/// What to say where no motion keeps contacts.
+pub(super) fn jammed<const D: usize>(placed: &Placed<D>, step: f64, friction: Friction) -> Error {
+    let (time, Friction { coefficient, roughness }) = (placed.state.time, friction);
+    let strain = strain_rate(&placed.domain) * time;
+    let text = format!(
+        "at time {time}, strain {strain:.4}, bodies are jammed: no motion of theirs keeps contacts apart in a step of {step:.3e} (contact.friction = \
+         {coefficient}, roughness {roughness}); go on from the last checkpoint with less friction or roughness, or choose a lower fraction"
+    );
+    Error::StepTooLong { text, step }
+}
+
+/// The friction of a scene that has some.
+pub(super) fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
+    instant.interactions.friction().expect("there is friction")
+}
+
+/// Coefficients of its surfaces.
+pub(super) fn surfaces_of<const D: usize>(instant: &KnownInstant<D>) -> SurfaceFriction {
+    let uniform = || SurfaceFriction::uniform(friction_of(instant).coefficient);
+    instant.interactions.surfaces().cloned().unwrap_or_else(uniform)
+}
+
+/// A contact where its bodies are now.
+pub(super) fn contact_again<const D: usize>(placed: &Placed<D>, identity: Identity<D>) -> Contact<D> {
+    Contact::again(&placed.domain, &placed.touching, identity)
+}
+
+/// The forces of contacts in the last step.
+pub(super) fn forces_of<const D: usize>(placed: &Placed<D>) -> Forces<D> {
+    let force = |held: &ContactHistory<D>| {
+        let normal = contact_again(placed, held.identity()).normal;
+        normal * (held.force - normal.dot(&held.tangential)) + held.tangential
+    };
+    placed.state.held.iter().map(|held| (held.identity(), force(held))).collect()
+}
+
+/// The forces of contacts, zero where none is known.
+pub(super) fn forces_at<const D: usize, const W: usize>(contacts: &FlowContacts<D, W>, forces: &Forces<D>) -> Vec<SVector<f64, D>> {
+    contacts.contacts.iter().map(|contact| forces.get(&contact.identity()).copied().unwrap_or_else(SVector::zeros)).collect()
+}
