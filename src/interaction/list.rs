@@ -62,9 +62,10 @@ impl<const D: usize> Interactions<D> {
         self.iter().find_map(|interaction| interaction.contact().friction)
     }
 
-    /// Coefficients of friction of surfaces that differ, if they do.
-    pub fn surfaces(&self) -> Option<&SurfaceFriction> {
-        self.iter().find_map(|interaction| interaction.contact().surfaces)
+    /// Coefficients of friction of surfaces; zero without friction.
+    pub fn surfaces(&self) -> SurfaceFriction {
+        let uniform = || SurfaceFriction::uniform(self.friction().map_or(0.0, |friction| friction.coefficient));
+        self.iter().find_map(|interaction| interaction.contact().surfaces.cloned()).unwrap_or_else(uniform)
     }
 
     /// Whether velocities are projected on those that keep bodies apart.

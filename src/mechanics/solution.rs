@@ -109,8 +109,6 @@ pub struct Solution<const D: usize> {
     pub pair_stress: Option<SMatrix<f64, D, D>>,
     /// What springs and clusters add to the stress times volume, if there are any.
     pub bond_stress: Option<SMatrix<f64, D, D>>,
-    /// What tangential forces of contacts add to the stress times volume, if there is friction.
-    pub friction_stress: Option<SMatrix<f64, D, D>>,
     /// Forces of springs and clusters, along the coordinates of the configuration.
     pub bond_forces: Vec<f64>,
     /// Films, if lubrication acts; what they do is in the states of the bodies.

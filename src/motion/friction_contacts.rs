@@ -10,8 +10,8 @@ use super::{
     travel::strain_rate,
 };
 use crate::{
-    body::Twist,
-    contact::{Contact, FlowContacts, Identity, NetworkResistance, SurfaceFriction},
+    body::{Row, Twist},
+    contact::{Contact, FlowContacts, Identity, NetworkResistance},
     error::{Error, Result},
     interaction::Friction,
     mechanics::ContactHistory,
@@ -27,7 +27,10 @@ pub(super) type Forces<const D: usize> = HashMap<Identity<D>, SVector<f64, D>>;
 impl<const D: usize> QuasiStatic<D> {
     /// What bodies resist as a network, with what ties them over a step.
     pub(super) fn network(&self, instant: &KnownInstant<D>, step: f64) -> NetworkResistance<D> {
-        NetworkResistance { bonds: self.bonds(instant, step), ..self.suspension.resistance().of_network() }
+        let resistance = self.suspension.resistance();
+        // the network answers to mean forces over a step, with inertia to a part of those in its equations
+        let scaled = |bond: Row<D>| Row { compliance: bond.compliance * resistance.of_impulse, ..bond };
+        NetworkResistance { bonds: self.bonds(instant, step).into_iter().map(scaled).collect(), ..resistance.of_network() }
     }
 
     /// Contacts that may close in a step, and those that bear forces, in order.
@@ -70,25 +73,15 @@ impl<const D: usize> QuasiStatic<D> {
 }
 
 /// What to say where no motion keeps contacts.
-pub(super) fn jammed<const D: usize>(placed: &Placed<D>, step: f64, friction: Friction) -> Error {
-    let (time, Friction { coefficient, roughness }) = (placed.state.time, friction);
-    let strain = strain_rate(&placed.domain) * time;
+pub(super) fn jammed<const D: usize>(instant: &KnownInstant<D>, step: f64) -> Error {
+    let Friction { coefficient, roughness } = instant.interactions.friction().expect("what jams has friction");
+    let time = instant.placed.state.time;
+    let strain = strain_rate(&instant.placed.domain) * time;
     let text = format!(
         "at time {time}, strain {strain:.4}, bodies are jammed: no motion of theirs keeps contacts apart in a step of {step:.3e} (contact.friction = \
          {coefficient}, roughness {roughness}); go on from the last checkpoint with less friction or roughness, or choose a lower fraction"
     );
     Error::StepTooLong { text, step }
-}
-
-/// The friction of a scene that has some.
-pub(super) fn friction_of<const D: usize>(instant: &KnownInstant<D>) -> Friction {
-    instant.interactions.friction().expect("there is friction")
-}
-
-/// Coefficients of its surfaces.
-pub(super) fn surfaces_of<const D: usize>(instant: &KnownInstant<D>) -> SurfaceFriction {
-    let uniform = || SurfaceFriction::uniform(friction_of(instant).coefficient);
-    instant.interactions.surfaces().cloned().unwrap_or_else(uniform)
 }
 
 /// A contact where its bodies are now.

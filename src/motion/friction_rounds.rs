@@ -4,10 +4,10 @@
 
 use std::time::Instant;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::{
-    friction_contacts::{Forces, contact_again, forces_at, forces_of, friction_of, jammed, surfaces_of},
+    friction_contacts::{Forces, contact_again, forces_at, forces_of, jammed},
     quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, QuasiStatic, disagreement},
     step_control::StepSize,
     stepper::Effort,
@@ -82,21 +82,17 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     fn agreed(
         &self,
         instant: &KnownInstant<D>,
-        (mut solution, twists): (Solution<D>, Vec<Twist<D>>),
+        (solution, twists): (Solution<D>, Vec<Twist<D>>),
         forces: &[SVector<f64, D>],
         step_size: StepSize,
     ) -> Agreed<D> {
         let mut contacts = instant.forces.contacts.clone();
-        let mut stress = SMatrix::zeros();
         for (contact, force) in self.contacts.contacts.iter().zip(forces) {
             let normal = force.dot(&contact.normal);
             if normal > 0.0 {
-                let tangential = force - contact.normal * normal;
-                contacts.push(ContactForce { contact: *contact, force: normal, tangential });
-                stress -= (contact.normal * tangential.transpose() + tangential * contact.normal.transpose()) * (0.5 * contact.separation);
+                contacts.push(ContactForce { contact: *contact, force: normal, tangential: force - contact.normal * normal });
             }
         }
-        solution.friction_stress = Some(stress);
         Agreed { solution, twists, contacts, friction: Some(self.contacts.report()), step_size }
     }
 
@@ -132,6 +128,11 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
         std::iter::once(several).chain(single).find(|next| !self.was_tried(next)).unwrap_or(alone)
     }
 
+    /// Tolerance of the next solve, over what is agreement.
+    fn tightest(&self) -> f64 {
+        TIGHTEST * TIGHTER.powi(self.repeated)
+    }
+
     fn was_tried(&self, next: &[HeldContact<D>]) -> bool {
         are_like(&self.held, next) || self.tried.iter().any(|tried| are_like(tried, next))
     }
@@ -154,14 +155,12 @@ impl<const D: usize> QuasiStatic<D> {
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
-        let (placed, friction) = (&instant.placed, friction_of(instant));
+        let placed = &instant.placed;
         let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
-        let balls = &placed.touching;
         let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
-        let network = self.network(instant, step);
-        let surfaces = surfaces_of(instant);
-        let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, surfaces: &surfaces, step };
+        let (network, surfaces) = (self.network(instant, step), instant.interactions.surfaces());
+        let immersed = ImmersedBodies { domain: &placed.domain, balls: &placed.touching, resistance: &network, surfaces: &surfaces, step };
         let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &forces), &forces);
         let mut forces = forces_at(&rounds.contacts, &forces);
         if begins_on_springs(instant) {
@@ -181,8 +180,7 @@ impl<const D: usize> QuasiStatic<D> {
                 rounds = rounds.with(immersed, missing, &mut forces);
                 residual = rounds.contacts.take(&forces, &twists);
             }
-            let reached = |best: &Agreed<D>| best.friction.map_or(f64::INFINITY, |report| report.residual);
-            if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < reached(best)) {
+            if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < missed_by(best)) {
                 best = Some(rounds.agreed(instant, (solution, twists), &forces, step_size));
             }
             if round >= PATIENCE
@@ -191,12 +189,11 @@ impl<const D: usize> QuasiStatic<D> {
                 return Ok(best);
             }
             if !rounds.next() || round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
-                return Err(jammed(placed, step, friction));
+                return Err(jammed(instant, step));
             }
             effort.contact += start.elapsed().as_secs_f64();
             self.stop.heed(self.session.world(), placed.state.time)?;
-            let tightest = TIGHTEST * agreement * TIGHTER.powi(rounds.repeated);
-            let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(tightest));
+            let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(agreement * rounds.tightest()));
             (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
         }
         let residual = rounds.contacts.take(&forces, &twists);
@@ -214,7 +211,7 @@ impl<const D: usize> QuasiStatic<D> {
         let balls = &placed.touching;
         let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
         let network = self.network(instant, step);
-        let surfaces = surfaces_of(instant);
+        let surfaces = instant.interactions.surfaces();
         let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, surfaces: &surfaces, step };
         let mut contacts: Vec<Contact<D>> = memory.keys().map(|&identity| contact_again(placed, identity)).collect();
         contacts.sort_by_key(Contact::identity);
@@ -248,6 +245,11 @@ impl<const D: usize> QuasiStatic<D> {
 /// Whether the first step of the run is due, and springs move in it.
 fn begins_on_springs<const D: usize>(instant: &KnownInstant<D>) -> bool {
     instant.placed.state.last_step == 0.0 && !instant.springs.is_empty()
+}
+
+/// By how much what was found misses the law.
+fn missed_by<const D: usize>(found: &Agreed<D>) -> f64 {
+    found.friction.map_or(f64::INFINITY, |report| report.residual)
 }
 
 /// Whether contacts are held alike.

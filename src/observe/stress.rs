@@ -25,6 +25,7 @@ use crate::{
     error::Result,
     geometry::{Axis, Ball},
     grid::Grid,
+    interaction::PairForce,
     mechanics::{BodyState, Setup, Solution, SuspendedBody},
     scene::ConstraintMethod,
 };
@@ -71,6 +72,10 @@ impl<const D: usize> Stress<D> {
             normal * normal.transpose() * (pressed.force * pressed.contact.separation)
         };
         let moments: SMatrix<f64, D, D> = contacts.iter().map(pressed).sum();
+        let rubs = setup.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0);
+        let along =
+            |pressed: &ContactForce<D>| PairForce { contact: pressed.contact, force: pressed.tangential, torques: [SMatrix::zeros(); 2] };
+        let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|pressed| along(pressed).stress()).sum();
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
         let at_a_distance =
             [solution.pair_stress, load_stress(setup, solution, shear)].into_iter().flatten().reduce(|sum, part| sum + part);
@@ -88,7 +93,7 @@ impl<const D: usize> Stress<D> {
             Part::Bonds => of_all(setup.interactions.tie(), solution.bond_stress),
             Part::Reynolds => carried_along.map(|stress| stress / unit),
             Part::Contact => touch.then(|| -moments / unit),
-            Part::Friction => solution.friction_stress.map(|stress| stress / unit),
+            Part::Friction => rubs.then(|| rubbed / unit),
         });
         Ok(Stress { parts, with_trace: pressure.is_some() })
     }

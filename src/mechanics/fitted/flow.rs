@@ -257,7 +257,6 @@ impl<const D: usize> FittedFlow<D> {
             contact_forces: Vec::new(),
             pair_stress: None,
             bond_stress: None,
-            friction_stress: None,
             bond_forces: Vec::new(),
             cost: self.cost,
             walls: WallForces {

@@ -229,7 +229,6 @@ impl<const D: usize> FixedOperators<D> {
             contact_forces,
             pair_stress: None,
             bond_stress: None,
-            friction_stress: None,
             bond_forces: Vec::new(),
             lubrication: None,
             cost: Cost::default(),

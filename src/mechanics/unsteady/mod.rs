@@ -268,7 +268,6 @@ impl<const D: usize> UnsteadySuspension<D> {
             contact_forces: vec![0.0; configuration.contacts.len()],
             pair_stress: None,
             bond_stress: None,
-            friction_stress: None,
             bond_forces: Vec::new(),
             lubrication: self.films_at_rest(configuration.centers)?,
             cost: Cost::default(),

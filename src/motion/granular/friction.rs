@@ -25,8 +25,7 @@ impl<const D: usize> Granular<D> {
                 "contact.friction = {coefficient}: acts on single balls with contact.model = \"inelastic\" so far; remove it"
             )));
         }
-        let surfaces = self.interactions.surfaces().cloned().unwrap_or_else(|| SurfaceFriction::uniform(coefficient));
-        let kept = self.project_with_friction(state, wanted, &surfaces, step)?;
+        let kept = self.project_with_friction(state, wanted, &self.interactions.surfaces(), step)?;
         let moves: Vec<Twist<D>> = kept.velocities.iter().zip(&kept.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
