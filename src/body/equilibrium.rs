@@ -142,7 +142,7 @@ mod tests {
     fn a_look_at_those_near_says_what_a_look_at_all_says() {
         let mut random = ChaCha8Rng::seed_from_u64(5);
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
-        let sheared = Axis::Sheared(LeesEdwards { start: 0.7, speed: 0.0, time: 0.0 });
+        let sheared = Axis::Sheared(LeesEdwards::steady(0.7, 0.0, 0.0));
         let radii: Vec<f64> = (0..40).map(|body| 0.02 + 0.2 * f64::from(body % 10).powi(4) / 1e4).collect();
         for second in [Axis::Periodic, wall, sheared] {
             let flat = Domain { size: SVector::from([4.0, 1.3]), axes: [Axis::Periodic, second] };

@@ -150,7 +150,7 @@ fn in_plane<const D: usize>(domain: &Domain<D>, neighbourhood: &Neighbourhood<D>
     let axis = |axis: usize| match domain.axes[axis] {
         Axis::Periodic => Axis::Periodic,
         Axis::Sheared(slide) => Axis::Sheared(slide),
-        Axis::Walls { .. } | Axis::Open(_) => Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() },
+        Axis::Walls { .. } | Axis::MovingWalls { .. } | Axis::Open(_) => Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() },
     };
     Some((Domain { size: Vector2::new(domain.size[0], domain.size[1]), axes: [axis(0), axis(1)] }, balls))
 }

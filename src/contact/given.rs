@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn images_that_slide_meet_bodies_that_rest() {
-        let sheared = domain(Axis::Sheared(LeesEdwards { start: 0.0, speed: 6.0, time: 0.0 }));
+        let sheared = domain(Axis::Sheared(LeesEdwards::steady(0.0, 6.0, 0.0)));
         // the image of the lower body above the box is at x = 1 + 6 t
         let found = found(&sheared, &[[1.0, 0.2], [4.0, 5.8]], &[[0.0, 0.0], [0.0, 0.0]], 1.0);
         let meeting = found.meeting.unwrap();

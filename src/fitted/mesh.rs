@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    geometry::{Axis, Ball, Corner, Domain},
+    geometry::{Ball, Corner, Domain},
 };
 
 /// A triangle of a mesh.
@@ -142,8 +142,8 @@ impl Mesh {
 
     /// The velocity of walls that meet, that of the wall across the first axis where it exists.
     pub fn wall_velocity(&self, walls: [Option<bool>; 2]) -> Vector2<f64> {
-        let across = |axis: usize| match (walls[axis], self.domain.axes[axis]) {
-            (Some(upper), Axis::Walls { lower, upper: velocity }) => Some(if upper { velocity } else { lower }),
+        let across = |axis: usize| match (walls[axis], self.domain.axes[axis].walls()) {
+            (Some(upper), Some(velocities)) => Some(velocities[usize::from(upper)]),
             _ => None,
         };
         across(0).or(across(1)).unwrap_or_default()

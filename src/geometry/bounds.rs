@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn boxes_meet_those_whose_images_they_touch() {
         let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
-        let slide = |start| Axis::Sheared(LeesEdwards { start, speed: 0.0, time: 0.0 });
+        let slide = |start| Axis::Sheared(LeesEdwards::steady(start, 0.0, 0.0));
         let domain = |axes| Domain { size: SVector::from([10.0, 4.0]), axes };
         let (low, high) = (bounds([0.0, 1.0], [0.0, 1.0]), bounds([9.5, 10.5], [3.5, 4.5]));
         assert!(high.meets(&low, &domain([Axis::Periodic; 2])) && low.meets(&high, &domain([Axis::Periodic; 2])));

@@ -94,7 +94,7 @@ mod tests {
     /// As many triangles as twice the points, and a neighbour across each edge, also where a point is its own neighbour.
     #[test]
     fn a_periodic_box_has_two_triangles_a_point() {
-        let slide = LeesEdwards { start: 0.0, speed: 1.0, time: 0.37 };
+        let slide = LeesEdwards::steady(0.0, 1.0, 0.37);
         let domain = Domain { size: [3.0, 2.0].into(), axes: [Axis::Periodic, Axis::Sheared(slide)] };
         for count in [1, 2, 3, 20, 100] {
             let points: Vec<Vector2<f64>> =

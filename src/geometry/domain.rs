@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{Inflow, LeesEdwards};
+use super::{Inflow, LeesEdwards, Protocol};
 
 /// What bounds the box along one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,23 +18,47 @@ pub enum Axis<const D: usize> {
         /// Velocity of the wall at coordinate `size`.
         upper: SVector<f64, D>,
     },
+    /// Two walls that move along the first axis at opposite velocities, which change with time.
+    MovingWalls {
+        /// Velocity of the wall at coordinate `size`.
+        upper: Protocol,
+        /// The time.
+        time: f64,
+    },
     /// Fluid flows in at coordinate 0 and out at coordinate `size`; one axis at most. Bodies keep away from both.
     Open(Inflow),
 }
 
 impl<const D: usize> Axis<D> {
     /// The velocities along the boundaries at its lower and its upper end, if it has ends.
-    pub fn walls(&self) -> Option<[SVector<f64, D>; 2]> {
+    pub fn ends(&self) -> Option<[SVector<f64, D>; 2]> {
         match self {
-            Axis::Periodic | Axis::Sheared(_) => None,
-            Axis::Walls { lower, upper } => Some([*lower, *upper]),
             Axis::Open(_) => Some([SVector::zeros(); 2]),
+            _ => self.walls(),
         }
     }
 
-    /// The largest speed of its walls or of its inflow; 0 without.
+    /// The velocities of its walls now, if it has walls.
+    pub fn walls(&self) -> Option<[SVector<f64, D>; 2]> {
+        match self {
+            Axis::Periodic | Axis::Sheared(_) | Axis::Open(_) => None,
+            Axis::Walls { lower, upper } => Some([*lower, *upper]),
+            Axis::MovingWalls { upper, time } => {
+                let upper = SVector::from_fn(|axis, _| if axis == 0 { upper.rate(*time) } else { 0.0 });
+                Some([-upper, upper])
+            }
+        }
+    }
+
+    /// Whether it has walls.
+    pub fn walled(&self) -> bool {
+        matches!(self, Axis::Walls { .. } | Axis::MovingWalls { .. })
+    }
+
+    /// The largest speed of its walls, at any time, or of its inflow; 0 without.
     pub fn fastest_wall(&self) -> f64 {
         match self {
+            Axis::MovingWalls { upper, .. } => upper.fastest(),
             Axis::Periodic | Axis::Sheared(_) => 0.0,
             Axis::Walls { lower, upper } => lower.norm().max(upper.norm()),
             Axis::Open(inflow) => inflow.speed.abs(),
@@ -54,7 +78,7 @@ pub struct Domain<const D: usize> {
 impl<const D: usize> Domain<D> {
     /// Velocity of the wall at the lower or the upper end of an axis; zero where there is none.
     pub fn wall_velocity(&self, axis: usize, upper: bool) -> SVector<f64, D> {
-        self.axes[axis].walls().map_or(SVector::zeros(), |walls| walls[usize::from(upper)])
+        self.axes[axis].ends().map_or(SVector::zeros(), |walls| walls[usize::from(upper)])
     }
 
     /// Whether the box repeats along `axis`.
@@ -88,7 +112,7 @@ impl<const D: usize> Domain<D> {
 
     /// Axes between whose walls an inflow is a parabola.
     fn across_inflow(&self, inflow: Inflow) -> impl Iterator<Item = usize> {
-        (0..D).filter(move |&axis| inflow.parabolic && matches!(self.axes[axis], Axis::Walls { .. }))
+        (0..D).filter(move |&axis| inflow.parabolic && self.axes[axis].walled())
     }
 
     /// Volume of the box (area in 2D).
@@ -104,18 +128,49 @@ impl<const D: usize> Domain<D> {
         }
     }
 
-    /// The box at a time; only one whose images slide depends on it.
+    /// The time for which its images and walls stand; 0 where neither depends on it.
+    pub fn time(&self) -> f64 {
+        let of_axis = |axis: &Axis<D>| match axis {
+            Axis::Sheared(slide) => Some(slide.time),
+            Axis::MovingWalls { time, .. } => Some(*time),
+            _ => None,
+        };
+        self.axes.iter().find_map(of_axis).unwrap_or(0.0)
+    }
+
+    /// The box at a time; only one whose images slide, or whose walls change their velocity, depends on it.
     pub fn at(mut self, time: f64) -> Domain<D> {
-        if let Axis::Sheared(slide) = &mut self.axes[1] {
-            slide.time = time;
+        for axis in &mut self.axes {
+            match axis {
+                Axis::Sheared(slide) => slide.time = time,
+                Axis::MovingWalls { time: now, .. } => *now = time,
+                _ => {}
+            }
         }
         self
     }
 
     /// The box a while later.
     pub fn after(&self, interval: f64) -> Domain<D> {
-        let time = self.slide().map_or(0.0, |slide| slide.time);
-        self.clone().at(time + interval)
+        self.clone().at(self.time() + interval)
+    }
+
+    /// The box with images that slide at one speed in an interval to come, by as much as they do in it.
+    pub fn over(mut self, interval: f64) -> Domain<D> {
+        if let Axis::Sheared(slide) = &mut self.axes[1] {
+            *slide = slide.over(interval);
+        }
+        self
+    }
+
+    /// The shear rate over time that images or moving walls impose, where it changes.
+    pub fn protocol(&self) -> Option<Protocol> {
+        let of_axis = |(axis, size): (&Axis<D>, &f64)| match axis {
+            Axis::Sheared(slide) if !slide.protocol.steady() => Some(slide.protocol.scaled(1.0 / size)),
+            Axis::MovingWalls { upper, .. } => Some(upper.scaled(2.0 / size)),
+            _ => None,
+        };
+        self.axes.iter().zip(&self.size).find_map(of_axis)
     }
 
     /// Displacement of the images one box further along y, along x.
@@ -125,7 +180,7 @@ impl<const D: usize> Domain<D> {
 
     /// Velocity gained one box further along y.
     pub fn sliding(&self) -> SVector<f64, D> {
-        self.along_x(self.slide().map_or(0.0, |slide| slide.speed))
+        self.along_x(self.slide().map_or(0.0, |slide| slide.speed()))
     }
 
     /// The rate at which images shear the box.
@@ -233,7 +288,7 @@ mod tests {
     use super::*;
 
     fn sheared(start: f64) -> Domain<3> {
-        let slide = LeesEdwards { start, speed: 2.0, time: 0.0 };
+        let slide = LeesEdwards::steady(start, 2.0, 0.0);
         Domain { size: Vector3::new(2.0, 1.0, 1.5), axes: [Axis::Periodic, Axis::Sheared(slide), Axis::Periodic] }
     }
 

@@ -11,6 +11,7 @@ mod lees_edwards;
 mod levels;
 mod overlap;
 mod pairs;
+mod protocol;
 
 pub use ball::Ball;
 pub use bounds::Bounds;
@@ -22,3 +23,4 @@ pub use lees_edwards::LeesEdwards;
 pub use levels::Levels;
 pub use overlap::{InvalidConfiguration, first_fault};
 pub use pairs::{Pair, WallPair, near_pairs, near_walls, visit_near_pairs};
+pub use protocol::{Protocol, RateStep};

@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn a_fault_is_found_where_pairs_overlap_and_nowhere_else() {
         let mut random = ChaCha8Rng::seed_from_u64(1);
-        let sheared = Axis::Sheared(LeesEdwards { start: 0.7, speed: 0.0, time: 0.0 });
+        let sheared = Axis::Sheared(LeesEdwards::steady(0.7, 0.0, 0.0));
         let mut found = [0, 0];
         for case in 0..2000 {
             let mut domain = channel();

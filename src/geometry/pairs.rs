@@ -194,13 +194,13 @@ mod tests {
     #[test]
     fn images_that_slide_are_found_where_they_are() {
         for (seed, start) in [-1.4, -0.3, 0.2, 0.9, 1.5].into_iter().enumerate() {
-            let axis = Axis::Sheared(LeesEdwards { start, speed: 0.0, time: 0.0 });
+            let axis = Axis::Sheared(LeesEdwards::steady(start, 0.0, 0.0));
             let flat = Domain { size: [3.0, 1.7].into(), axes: [Axis::Periodic, axis] };
             assert_same(&flat, &random_balls(&flat, 60, [0.02, 0.4], seed as u64), 0.1);
             assert_same(&flat, &random_balls(&flat, 3, [0.3, 0.7], seed as u64), 0.5);
             let deep = Domain {
                 size: [3.0, 1.0, 1.3].into(),
-                axes: [Axis::Periodic, Axis::Sheared(LeesEdwards { start, speed: 0.0, time: 0.0 }), Axis::Periodic],
+                axes: [Axis::Periodic, Axis::Sheared(LeesEdwards::steady(start, 0.0, 0.0)), Axis::Periodic],
             };
             assert_same(&deep, &random_balls(&deep, 40, [0.02, 0.4], seed as u64), 0.1);
         }

@@ -52,7 +52,7 @@ pub fn scalar<const D: usize>(grid: &Grid<D>, point: &SVector<f64, D>, mut visit
 fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice: [usize; D]) -> Site<D> {
     let index: Index<D> = std::array::from_fn(|axis| lines[axis].index[choice[axis]]);
     for axis in 0..D {
-        if let (Some((node, upper_wall)), Some([lower, upper])) = (lines[axis].wall, grid.domain().axes[axis].walls())
+        if let (Some((node, upper_wall)), Some([lower, upper])) = (lines[axis].wall, grid.domain().axes[axis].ends())
             && node == choice[axis]
         {
             let position = SVector::from_fn(|axis, _| lines[axis].coordinate[choice[axis]]);

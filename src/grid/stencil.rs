@@ -151,7 +151,7 @@ pub(super) fn wall_between<const D: usize>(
     axis: usize,
     neighbour: Index<D>,
 ) -> Option<(f64, SVector<f64, D>)> {
-    let [lower, upper] = grid.domain().axes[axis].walls()?;
+    let [lower, upper] = grid.domain().axes[axis].ends()?;
     let cells = grid.cells()[axis] as isize;
     if field == axis {
         return None;

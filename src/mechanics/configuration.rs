@@ -27,7 +27,7 @@ pub struct Configuration<'a, const D: usize> {
 impl<'a, const D: usize> Configuration<'a, D> {
     /// That in which bodies are at these centres and none touches, in the box of a setup as it is.
     pub fn at_rest(setup: &Setup<D>, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Self {
-        let time = setup.domain.slide().map_or(0.0, |slide| slide.time);
+        let time = setup.domain.time();
         Configuration { centers, time, contacts: &[], contact_guess: &[], bonds, pushes: &[], tolerance: setup.tolerance.at_an_instant() }
     }
 }

@@ -8,7 +8,7 @@ use super::room::{self, CELLS_AT_ENDS, Ends};
 use crate::{
     body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, read_places, skew},
     error::{Error, Result},
-    geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, first_fault},
+    geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, Protocol, first_fault},
     linalg::ROUNDING,
     parallel::Peers,
     scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Placement, Scene},
@@ -25,14 +25,27 @@ pub fn vector<const D: usize>(numbers: &[f64]) -> SVector<f64, D> {
 /// The box of a scene.
 pub fn domain<const D: usize>(scene: &Scene) -> Domain<D> {
     let axis = |axis: usize| match (&scene.domain.axes[axis], &scene.flow.drive) {
-        (AxisSection::Periodic, Some(scene::Drive::ShearedBox(rate))) if axis == 1 => {
-            Axis::Sheared(LeesEdwards { start: 0.0, speed: rate * scene.domain.size[1], time: 0.0 })
+        (AxisSection::Periodic, Some(scene::Drive::ShearedBox(protocol))) if axis == 1 => {
+            Axis::Sheared(LeesEdwards { start: 0.0, protocol: protocol.scaled(scene.domain.size[1]), time: 0.0 })
         }
+        (AxisSection::Walls { .. }, Some(scene::Drive::ShearRate(protocol))) if axis == 1 => shearing(protocol, scene.domain.size[1]),
         (AxisSection::Periodic, _) => Axis::Periodic,
         (AxisSection::Open { inflow, parabolic }, _) => Axis::Open(Inflow { speed: *inflow, parabolic: *parabolic }),
         (AxisSection::Walls { lower, upper }, _) => Axis::Walls { lower: vector(lower), upper: vector(upper) },
     };
     Domain { size: vector(&scene.domain.size), axes: std::array::from_fn(axis) }
+}
+
+/// Walls so far apart that shear what is between them.
+fn shearing<const D: usize>(protocol: &Protocol, height: f64) -> Axis<D> {
+    let upper = protocol.scaled(0.5 * height);
+    match upper {
+        Protocol::Steady(speed) => {
+            let upper = SVector::from_fn(|axis, _| if axis == 0 { speed } else { 0.0 });
+            Axis::Walls { lower: -upper, upper }
+        }
+        upper => Axis::MovingWalls { upper, time: 0.0 },
+    }
 }
 
 /// The bodies of a scene with their groups, in their places, which several ranks find together; collective.

@@ -77,6 +77,14 @@ impl<const D: usize> Setup<D> {
         Setup { interactions: self.interactions.with(interaction), ..self }
     }
 
+    /// Turns the box to that of a time, and a shear whose rate changes to that of then.
+    pub fn turn_to(&mut self, domain: Domain<D>) {
+        self.domain = domain;
+        if let (Drive::Shear(rate), Some(_)) = (&mut self.drive, self.domain.protocol()) {
+            *rate = self.domain.shear_rate();
+        }
+    }
+
     /// Turns motions that are given to those of a time.
     pub fn prescribe(&mut self, time: f64) {
         self.trajectories.twists(time).for_each(|(body, twist)| self.bodies[body].body.motion = Motion::Prescribed(twist));

@@ -21,7 +21,7 @@ use crate::{
     mechanics::{
         Conditions,
         system::{
-            assembled_system::AssembledSystem, assembly::Assembly, fixed_operators::FixedOperators, krylov_workspace::KrylovWorkspace,
+            assembled_system::AssembledSystem, assembly::Assembly, fixed_operators::{FixedOperators, Turned}, krylov_workspace::KrylovWorkspace,
             readback, schur_complement::SchurComplement,
         },
     },
@@ -74,13 +74,14 @@ impl<const D: usize> Suspension<D> {
         Ok(suspension)
     }
 
-    /// Lets images slide to where they are at a time; what was assembled across the boundary is gone.
-    fn slide_to(&mut self, time: f64) -> Result<()> {
-        if let Some(inverse) = self.fixed.slide(time, Setup::inverse_of)? {
-            (self.inverse, self.assembly) = (inverse, None);
-            if !self.fixed.condensed {
-                self.recent = RecentHistories::default();
-            }
+    /// Turns the box to that of a time; what was assembled across its boundary is gone.
+    fn turn_to(&mut self, time: f64) -> Result<()> {
+        let turned = self.fixed.turn_to(time, &mut self.inverse)?;
+        if turned != Turned::Nothing {
+            self.assembly = None;
+        }
+        if turned == Turned::Images && !self.fixed.condensed {
+            self.recent = RecentHistories::default();
         }
         Ok(())
     }
@@ -153,7 +154,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
 
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let start = Instant::now();
-        self.slide_to(configuration.time)?;
+        self.turn_to(configuration.time)?;
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.recent.last(), configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();

@@ -1,7 +1,7 @@
 //! The longest steps in which explicit forces of interactions are stable.
 
 use super::GranularBody;
-use crate::{interaction::Interactions, mechanics::Setup};
+use crate::{geometry::Protocol, interaction::Interactions, mechanics::Setup};
 
 /// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
 const GRANULAR_STEP: f64 = 0.4;
@@ -9,6 +9,18 @@ const GRANULAR_STEP: f64 = 0.4;
 /// Largest step in units of resistance over `k`: such a body comes to rest at up to the rate `8 k / R` as if the others were far, and the
 /// two-step rule is stable up to the rate `1 / step`; bodies that nearly touch resist several times as much.
 const FLOW_STEP: f64 = 0.2;
+
+/// Part of a cycle of an oscillating shear that a step takes at most, without inertia and with it: the second-order formula of a flow that goes on from earlier
+/// ones then shifts its phase by 0.2 degrees.
+const PARTS_OF_CYCLE: [f64; 2] = [1.0 / 40.0, 1.0 / 128.0];
+
+/// The longest step that follows the rate of the shear of a box; infinite where it does not change by itself.
+pub fn longest_step_of_protocol<const D: usize>(setup: &Setup<D>) -> f64 {
+    match setup.domain.protocol() {
+        Some(Protocol::Oscillation { frequency, .. }) => PARTS_OF_CYCLE[usize::from(setup.inertia.is_some())] / frequency,
+        _ => f64::INFINITY,
+    }
+}
 
 /// The longest stable step of dry bodies; infinite if no interaction limits it.
 pub fn longest_granular_step<const D: usize>(interactions: &Interactions<D>, bodies: &[GranularBody<D>]) -> f64 {

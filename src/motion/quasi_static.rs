@@ -200,7 +200,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The longest step in which free bodies err by what they may.
     fn accurate_step(&self, state: &State<D>, twists: &[Twist<D>]) -> f64 {
-        if state.last_step == 0.0 || self.evolves() {
+        if self.last_step(state) == 0.0 || self.evolves() {
             return f64::INFINITY;
         }
         let bodies = self.suspension.setup().bodies.iter().zip(&state.bodies).zip(twists).zip(&self.radii);
@@ -213,14 +213,14 @@ impl<const D: usize> QuasiStatic<D> {
     /// The step to take with these motions and forces.
     pub(super) fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
         let (state, travel) = (placed.state, self.step_control.time.travel);
-        let first = if state.last_step == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
+        let first = if self.last_step(state) == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
         let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(state, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
         let stable = self.suspension.evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(pushes))?;
         let stable = stable.min(given).min(moved);
         // a fixed step that is half taken was not split
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
-        let last_step = if whole { 0.0 } else { state.last_step };
+        let last_step = if whole && self.step_control.protocol.is_none() { 0.0 } else { self.last_step(state) };
         let limits = StepLimits { stable, tried: tried.unwrap_or(f64::INFINITY) };
         Ok(self.step_control.next::<D>(Peers::Alone, &[], (state.time, last_step), limits))
     }
@@ -436,7 +436,7 @@ impl<const D: usize> QuasiStatic<D> {
     fn passed(&self, state: &State<D>, twists: &[Twist<D>]) -> Result<f64> {
         let on_grid = self.suspension.evolution_on_grid();
         let Some(cells) = on_grid.map_or(Ok(None), |flow| flow.courant(state.last_step))? else { return Ok(0.0) };
-        let period = self.step_control.shift_period.map(|period| period.0);
+        let period = self.step_control.shift_period.as_ref().map(|period| period.shortest(state.time));
         let shortest = period.is_some_and(|period| state.last_step < period * 1.5);
         if cells > LARGEST_COURANT && (shortest || self.step_control.time.step != Step::Auto) {
             return Err(Error::Diverged(too_long(state, cells, period)));
@@ -501,12 +501,45 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Vec<Twist<D>>> {
         match self.step_control.time.scheme {
             Scheme::Euler => Ok(observation.twists.clone()),
-            _ if self.evolves() && state.last_step == 0.0 => Ok(observation.twists.clone()),
-            Scheme::TwoStep if state.last_step > 0.0 => {
-                Ok(two_step(state, observation, self.looks_back(state, length), &self.suspension.setup().interactions))
+            _ if self.starts(state) => {
+                let mut moves = observation.twists.clone();
+                self.follow_images(state, length, 0.0, &mut moves);
+                Ok(moves)
+            }
+            Scheme::TwoStep if self.last_step(state) > 0.0 => {
+                let factor = self.looks_back(state, length);
+                let mut moves = two_step(state, observation, factor, &self.suspension.setup().interactions);
+                self.follow_images(state, length, factor, &mut moves);
+                Ok(moves)
             }
             _ => self.midpoint(state, (observation, length), effort, monitor),
         }
+    }
+
+    /// Lets bodies go along with images whose speed changes as far as these do in a step, for which a rule took their rates now and before the last step.
+    fn follow_images(&self, state: &State<D>, length: f64, factor: f64, moves: &mut [Twist<D>]) {
+        let domain = self.suspension.setup().domain.clone().at(state.time);
+        if domain.slide().is_none_or(|slide| slide.protocol.steady()) {
+            return;
+        }
+        let (now, before) = (domain.shear_rate(), domain.clone().at(state.time - state.last_step).shear_rate());
+        let missing = domain.over(length).shear_rate() - now - factor * (now - before);
+        for (twist, body) in moves.iter_mut().zip(&state.bodies) {
+            twist.velocity[0] += missing * body.center[1];
+            twist.spin[(0, 1)] += 0.5 * missing;
+            twist.spin[(1, 0)] -= 0.5 * missing;
+        }
+    }
+
+    /// The last step, 0 where motions do not go on from it: in the first one, and where the rate of the shear jumps.
+    fn last_step(&self, state: &State<D>) -> f64 {
+        let anew = !self.evolves() && self.step_control.jumped(state.time, state.last_step);
+        if anew { 0.0 } else { state.last_step }
+    }
+
+    /// Whether a step from a state is a first one that has no middle.
+    fn starts(&self, state: &State<D>) -> bool {
+        (self.evolves() || self.step_control.wanders()) && self.last_step(state) == 0.0
     }
 
     /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. In a flow with inertia the second step makes up
@@ -568,9 +601,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         let mut effort = Effort::default();
         let mut moves = self.rule(state, (observation, length), &mut effort, monitor)?;
         let reach = self.step_control.time.travel * self.time_of_travel(&self.placed(state), &moves);
-        let step = self.step_control.shortened(length, state.last_step, reach);
+        let step = self.step_control.shortened((state.time, self.last_step(state)), length, reach);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
-        let (placed, start) = (self.placed(state), Instant::now());
+        let (mut placed, start) = (self.placed(state), Instant::now());
+        placed.domain = placed.domain.over(step);
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {

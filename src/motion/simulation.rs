@@ -5,7 +5,7 @@ use std::{borrow::Cow, ops::Range};
 use super::{
     given_motions::GivenStep,
     granular::{Granular, GranularSetup, migration::own_part},
-    longest_step::longest_step_in_flow,
+    longest_step::{longest_step_in_flow, longest_step_of_protocol},
     quasi_static::QuasiStatic,
     shift_period::ShiftPeriod,
     step_control::StepControl,
@@ -70,7 +70,7 @@ pub struct StepReport {
 impl<const D: usize> Simulation<D> {
     /// Granular bodies in motion.
     pub fn granular(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
-        let step_control = StepControl { time, shift_period: None, longest: setup.longest_step(), by_twos: false };
+        let step_control = StepControl { time, shift_period: None, protocol: None, longest: setup.longest_step(), by_twos: false };
         let domain = setup.domain.clone();
         let (stepper, state) = Granular::start(session, setup, step_control.clone());
         Simulation::driven(session, Box::new(stepper), (state, domain), step_control)
@@ -81,8 +81,8 @@ impl<const D: usize> Simulation<D> {
         let setup = suspension.setup();
         let bodies = &setup.bodies;
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
-        let longest = longest_step_in_flow(setup);
-        let step_control = StepControl { time, shift_period, longest, by_twos: suspension.evolution().is_some() };
+        let longest = longest_step_in_flow(setup).min(longest_step_of_protocol(setup));
+        let step_control = StepControl { time, shift_period, protocol: setup.domain.protocol(), longest, by_twos: suspension.evolution().is_some() };
         let at_rest = |suspended: &SuspendedBody<D>| (suspended.body.ball.center, Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
@@ -217,7 +217,7 @@ impl<const D: usize> Simulation<D> {
 
     /// That the run ends before a time that the scene asks for, where it does, and how to meet it: images slide by whole cells only.
     pub fn missed_end(&self, asked: f64) -> Option<String> {
-        let (period, flow, end) = (self.step_control.shift_period?, self.suspension()?, self.step_control.time.end);
+        let (period, flow, end) = (self.step_control.shift_period.as_ref()?, self.suspension()?, self.step_control.time.end);
         if end >= asked * (1.0 - ROUNDING) {
             return None;
         }
@@ -227,7 +227,7 @@ impl<const D: usize> Simulation<D> {
             || "choose an end that is a whole number of these".to_owned(),
             |fitting| format!("resolution.spacing = {{ exactly = {:?} }} meets it", size / fitting as f64),
         );
-        let time = period.0 * multiple;
+        let time = period.within(0.0, 0.0, multiple);
         Some(format!(
             "time.end = {asked}: the run ends at {end}, the last time before it at which the images of the sheared box lie on whole cells after a \
              step, which takes them {time:.6e}; {remedy}"
@@ -296,7 +296,7 @@ impl<const D: usize> Simulation<D> {
             let shorter = match self.look(monitor) {
                 Ok(ahead) => {
                     let stands = tries_left == 0 && self.followed(report.length)?;
-                    let shorter = self.step_control.in_place_of(report.length, ahead.passed).filter(|_| !stands);
+                    let shorter = self.step_control.in_place_of(start.time, report.length, ahead.passed).filter(|_| !stands);
                     match shorter {
                         Some(_) => wasted = wasted + report.effort + ahead.effort,
                         None => self.ahead = Some(ahead),
@@ -304,7 +304,7 @@ impl<const D: usize> Simulation<D> {
                     shorter
                 }
                 Err(error @ (Error::CourantExceeded(_) | Error::StepTooLong { .. })) => {
-                    Some(self.step_control.in_place_of(report.length, MUCH).filter(|_| tries_left > 0).ok_or_else(|| final_error(error))?)
+                    Some(self.step_control.in_place_of(start.time, report.length, MUCH).filter(|_| tries_left > 0).ok_or_else(|| final_error(error))?)
                 }
                 Err(error) => return Err(error),
             };
@@ -362,7 +362,7 @@ impl<const D: usize> Simulation<D> {
     /// The length to try after one, or shorter than that, that ended in an error.
     fn half_of(&mut self, error: Error, tried: f64) -> Result<f64> {
         let Some(step) = error.step_too_long().map(|step| step.min(tried)) else { return Err(error.at_time(self.state.time)) };
-        let half = self.step_control.half(step, self.state.last_step).filter(|_| self.halvings < MOST_HALVINGS);
+        let half = self.step_control.half((self.state.time, self.state.last_step), step).filter(|_| self.halvings < MOST_HALVINGS);
         match half {
             Some(half) => {
                 self.halvings += 1;

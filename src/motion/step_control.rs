@@ -4,6 +4,7 @@ use nalgebra::SVector;
 
 use super::shift_period::ShiftPeriod;
 use crate::{
+    geometry::Protocol,
     linalg::ROUNDING,
     mechanics::unsteady::{COURANT, LARGEST_COURANT},
     parallel::Peers,
@@ -28,6 +29,8 @@ pub struct StepControl {
     pub time: TimeSection,
     /// What steps and the end are whole numbers of, where images slide.
     pub shift_period: Option<ShiftPeriod>,
+    /// When the rate of the shear jumps: steps end there.
+    pub protocol: Option<Protocol>,
     /// The longest step with which contact is stable; infinite if it limits none.
     pub longest: f64,
     /// Whether automatic steps change by factors of two only: where another one takes other operators.
@@ -81,65 +84,104 @@ impl StepControl {
     ) -> StepSize {
         let left = self.time.end - time;
         let natural = match self.time.step {
+            Step::Fixed(step) if self.changing().is_some() => self.whole(time, step.min(tried), last_step),
             // the last step was cut short by the end, and not split
             Step::Fixed(step) if left <= ROUNDING * self.time.end => step.min(tried),
             Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
             Step::Auto => {
-                let longest = self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(last_step) } else { self.time.end });
+                let longest = self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(time, last_step) } else { self.time.end });
                 let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
-                self.whole(peers.min(limits.fold(longest, f64::min)), last_step)
+                self.whole(time, peers.min(limits.fold(longest, f64::min)), last_step)
             }
         };
+        let natural = self.up_to_jump(time, natural);
         StepSize { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
     }
 
-    /// A step, after a last one, made shorter where it would carry bodies farther than the time `reach` does.
-    pub fn shortened(&self, step: f64, last_step: f64, reach: f64) -> f64 {
+    /// A step from a time, after a last one, made shorter where it would carry bodies farther than the time `reach` does.
+    pub fn shortened(&self, (time, last_step): (f64, f64), step: f64, reach: f64) -> f64 {
         match self.time.step {
             Step::Fixed(_) => step,
             Step::Auto => {
                 let limited = step.min(reach);
-                if limited < step || !self.by_twos { step.min(self.whole(limited, last_step)) } else { step }
+                if limited < step || !self.by_twos { step.min(self.whole(time, limited, last_step)) } else { step }
             }
         }
     }
 
-    /// A step half as long as one that led nowhere; none if that is the shortest. Where images slide, after a last step, it slides them by whole cells.
-    pub fn half(&self, step: f64, last_step: f64) -> Option<f64> {
+    /// A step from a time half as long as one that led nowhere; none if that is the shortest. Where images slide, after a last step, it slides them by whole
+    /// cells.
+    pub fn half(&self, (time, last_step): (f64, f64), step: f64) -> Option<f64> {
         let least = if let Step::Fixed(whole) = self.time.step { SHORTEST_PART * whole * (1.0 - ROUNDING) } else { 0.0 };
-        let Some(shift_period) = self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
+        let Some(shift_period) = &self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
         let multiple = if self.by_twos { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) };
-        let half = shift_period.within(0.5 * step, multiple);
+        let half = shift_period.within(time, 0.5 * step, multiple);
         (half < step * (1.0 - ROUNDING) && half >= least).then_some(half)
     }
 
-    /// The length of the step to be taken in place of an automatic one in which the flow or a body passed so many times what it may; nothing if it stands,
+    /// The length of the step from a time to be taken in place of an automatic one in which the flow or a body passed so many times what it may; nothing if it stands,
     /// or where none is shorter.
-    pub fn in_place_of(&self, step: f64, passed: f64) -> Option<f64> {
+    pub fn in_place_of(&self, time: f64, step: f64, passed: f64) -> Option<f64> {
         if self.time.step != Step::Auto || passed <= TOLERATED {
             return None;
         }
-        let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+        let shortest = self.shortest(time);
         Some((step * (-passed.log2().ceil()).exp2()).max(shortest)).filter(|shorter| *shorter < step * (1.0 - ROUNDING))
     }
 
     /// The longest step after another.
-    fn grown(&self, last_step: f64) -> f64 {
+    fn grown(&self, time: f64, last_step: f64) -> f64 {
         if self.by_twos {
             return 2.0 * last_step;
         }
         // whole shift periods would never grow from one to two
-        self.shift_period.map_or(GROWTH * last_step, |shift_period| (GROWTH * last_step).max(last_step + shift_period.0))
+        (GROWTH * last_step).max(if self.shift_period.is_some() { last_step + self.shortest(time + last_step) } else { 0.0 })
     }
 
     /// A step that keeps the shift period, if there is one; never shorter than the shortest that does.
-    fn whole(&self, step: f64, last_step: f64) -> f64 {
+    fn whole(&self, time: f64, step: f64, last_step: f64) -> f64 {
         if self.by_twos {
-            let shortest = self.shift_period.map_or(0.0, |shift_period| shift_period.0);
+            let shortest = self.shortest(time);
             let unit = if last_step > 0.0 { last_step } else { shortest };
             return if unit > 0.0 { (unit * (step / unit * (1.0 + ROUNDING)).log2().floor().exp2()).max(shortest) } else { step };
         }
-        self.shift_period.map_or(step, |shift_period| shift_period.within(step, ShiftPeriod::multiple(self.time.scheme, last_step)))
+        let Some(shift_period) = &self.shift_period else { return step };
+        shift_period.within(time, step, self.multiple(last_step))
+    }
+
+    /// The number of cells by which images slide in a step after another, at least: the middle of a first one is an instant too, unless the rate never stands
+    /// still.
+    fn multiple(&self, last_step: f64) -> f64 {
+        if self.wanders() { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) }
+    }
+
+    /// Whether images slide at a speed that changes all the time: the middle of a step then slides them by a part of a cell.
+    pub fn wanders(&self) -> bool {
+        matches!(self.changing(), Some(Protocol::Oscillation { .. }))
+    }
+
+    /// The speed of images, where it changes.
+    fn changing(&self) -> Option<&Protocol> {
+        match &self.shift_period {
+            Some(ShiftPeriod::Changing { protocol, .. }) => Some(protocol),
+            _ => None,
+        }
+    }
+
+    /// The shortest step from a time that slides images by whole cells; 0 where they stay.
+    fn shortest(&self, time: f64) -> f64 {
+        self.shift_period.as_ref().map_or(0.0, |shift_period| shift_period.shortest(time))
+    }
+
+    /// A step from a time, or what leads to where the rate of the shear jumps.
+    fn up_to_jump(&self, time: f64, step: f64) -> f64 {
+        let left = self.protocol.as_ref().map_or(f64::INFINITY, |protocol| protocol.next_jump(time) - time);
+        if step > left * (1.0 - ROUNDING) { left } else { step }
+    }
+
+    /// Whether the rate of the shear jumped in the last step that led to a time, or at its end.
+    pub fn jumped(&self, time: f64, last_step: f64) -> bool {
+        self.protocol.as_ref().is_some_and(|protocol| protocol.jumps_between(time - last_step, time))
     }
 
     /// Whether the run has ended.
@@ -149,7 +191,7 @@ impl StepControl {
 
     /// Whether the next step may reach the end.
     pub fn may_end(&self, time: f64, last_step: f64) -> bool {
-        let step = if let Step::Fixed(step) = self.time.step { step } else { self.grown(last_step) };
+        let step = if let Step::Fixed(step) = self.time.step { step } else { self.grown(time, last_step) };
         time + step * (1.0 + ROUNDING) >= self.time.end
     }
 }
@@ -177,7 +219,7 @@ mod tests {
 
     fn control(step: Step, shift_period: Option<f64>) -> StepControl {
         let time = TimeSection { step, end: 10.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
-        StepControl { time, shift_period: shift_period.map(ShiftPeriod), longest: f64::INFINITY, by_twos: false }
+        StepControl { time, shift_period: shift_period.map(ShiftPeriod::Steady), protocol: None, longest: f64::INFINITY, by_twos: false }
     }
 
     fn next(control: &StepControl, time: f64, last_step: f64, tried: f64) -> f64 {
@@ -200,10 +242,10 @@ mod tests {
     #[test]
     fn half_a_step_slides_images_by_whole_cells_down_to_one() {
         let control = control(Step::Fixed(0.5), Some(0.1));
-        let halves: Vec<f64> = std::iter::successors(Some(0.5), |&step| control.half(step, 0.5)).collect();
+        let halves: Vec<f64> = std::iter::successors(Some(0.5), |&step| control.half((0.0, 0.5), step)).collect();
         assert_eq!(halves.len(), 3);
         assert!((halves[1] - 0.2).abs() < 1e-12 && (halves[2] - 0.1).abs() < 1e-12);
-        assert_eq!(self::control(Step::Auto, None).half(0.5, 0.5), Some(0.25));
+        assert_eq!(self::control(Step::Auto, None).half((0.0, 0.5), 0.5), Some(0.25));
     }
 
     #[test]
@@ -215,9 +257,9 @@ mod tests {
     #[test]
     fn a_step_in_which_too_much_passed_is_halved_until_it_passes_what_it_may() {
         let auto = control(Step::Auto, None);
-        assert_eq!([0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.8, passed)), [None, None, Some(0.4), Some(0.4), Some(0.1)]);
-        assert_eq!(control(Step::Fixed(0.8), None).in_place_of(0.8, 5.0), None);
+        assert_eq!([0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.0, 0.8, passed)), [None, None, Some(0.4), Some(0.4), Some(0.1)]);
+        assert_eq!(control(Step::Fixed(0.8), None).in_place_of(0.0, 0.8, 5.0), None);
         let sheared = control(Step::Auto, Some(0.4));
-        assert_eq!([sheared.in_place_of(0.8, 5.0), sheared.in_place_of(0.4, 5.0)], [Some(0.4), None]);
+        assert_eq!([sheared.in_place_of(0.0, 0.8, 5.0), sheared.in_place_of(0.0, 0.4, 5.0)], [Some(0.4), None]);
     }
 }

@@ -29,7 +29,7 @@ pub fn time_of_travel<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], vel
         (2.0 * balls[pair.first].radius.min(balls[pair.second].radius) + pair.gap.max(0.0)) / relative.norm()
     });
     let by_walls = near_walls(domain, balls, reach).into_iter().filter_map(|near| {
-        let [lower, upper] = domain.axes[near.axis].walls()?;
+        let [lower, upper] = domain.axes[near.axis].ends()?;
         let relative = velocities[near.body] - if near.upper { upper } else { lower };
         Some((balls[near.body].radius + near.gap.max(0.0)) / relative.norm())
     });
@@ -51,7 +51,7 @@ pub fn accurate_step<const D: usize>(changes: &[(SVector<f64, D>, f64)], last_st
 /// The velocity at the place of a ball in fluid that is sheared between walls which move.
 fn between_walls<const D: usize>(domain: &Domain<D>, ball: &Ball<D>) -> SVector<f64, D> {
     let part = |axis: usize| {
-        let [lower, upper] = domain.axes[axis].walls()?;
+        let [lower, upper] = domain.axes[axis].ends()?;
         Some(lower + (upper - lower) * (ball.center[axis] / domain.size[axis]))
     };
     (0..D).filter_map(part).sum()
@@ -59,7 +59,7 @@ fn between_walls<const D: usize>(domain: &Domain<D>, ball: &Ball<D>) -> SVector<
 
 /// The rate at which a box is sheared, by its images or by its walls.
 pub(super) fn strain_rate<const D: usize>(domain: &Domain<D>) -> f64 {
-    let by_walls = (0..D).filter_map(|axis| domain.axes[axis].walls().map(|[lower, upper]| (upper - lower).norm() / domain.size[axis]));
+    let by_walls = (0..D).filter_map(|axis| domain.axes[axis].ends().map(|[lower, upper]| (upper - lower).norm() / domain.size[axis]));
     by_walls.fold(domain.shear_rate().abs(), f64::max)
 }
 

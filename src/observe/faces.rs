@@ -91,7 +91,7 @@ impl<'a, const D: usize> FaceValues<'a, D> {
             }
             let upper = index[axis] >= cells;
             let beyond = if upper { index[axis] - cells } else { -1 - index[axis] };
-            let (true, Some(walls)) = (beyond >= 0, domain.axes[axis].walls()) else { continue };
+            let (true, Some(walls)) = (beyond >= 0, domain.axes[axis].ends()) else { continue };
             let [wall, near, far] = BEYOND[beyond as usize];
             let before = |steps: isize| self.at(component, with(if upper { cells - 1 - steps } else { steps }));
             return wall * walls[usize::from(upper)][component] + near * before(0) + far * before(1);

@@ -3,6 +3,7 @@
 use super::{Bond, FrameBody, SpeedScale, picture::NON_AFFINE};
 use crate::{
     body::planes,
+    geometry::Protocol,
     scene::{AffineFlow, AxisSection, Colour, Drive, Scene},
 };
 
@@ -151,8 +152,8 @@ pub struct AnimatedDisk {
 pub struct Plane {
     across: usize,
     up: usize,
-    /// Speed at which the box above slides to the right.
-    sliding: f64,
+    /// Speed at which the box above slides to the right over time.
+    images: Protocol,
     /// The motion that is subtracted from speeds, if any is.
     affine: Option<AffineFlow>,
 }
@@ -161,12 +162,12 @@ impl Plane {
     /// The plane of a scene's pictures.
     pub fn of(scene: &Scene) -> Plane {
         let [across, up] = scene.plane_of_pictures();
-        let sliding = match scene.flow.drive {
-            Some(Drive::ShearedBox(rate)) if [across, up] == [0, 1] => rate * scene.domain.size[1],
-            _ => 0.0,
+        let images = match &scene.flow.drive {
+            Some(Drive::ShearedBox(protocol)) if [across, up] == [0, 1] => protocol.scaled(scene.domain.size[1]),
+            _ => Protocol::Steady(0.0),
         };
         let affine = AffineFlow::of(scene).filter(|_| scene.output.colour == Colour::NonAffine);
-        Plane { across, up, sliding, affine }
+        Plane { across, up, images, affine }
     }
 
     /// The axes that point right and up.
@@ -202,7 +203,7 @@ impl Plane {
             along: body.velocity[self.across],
             group: groups.get(body.number).copied().flatten(),
         };
-        AnimationFrame { time, shift: self.sliding * time, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
+        AnimationFrame { time, shift: self.images.passed(time), disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
     }
 
     /// A film of a scene's box without frames.
@@ -221,7 +222,7 @@ impl Plane {
             quantity,
             unit,
             least,
-            slide: if self.affine.is_some() { 0.0 } else { self.sliding },
+            slide: if self.affine.is_some() || !self.images.steady() { 0.0 } else { self.images.rate(0.0) },
             rate: scene.shear_rate(),
             balls: scene.dimension() == 3,
             ..Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, colour)
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn vorticity_is_counterclockwise_as_seen() {
-        let with = |up| Plane { across: 0, up, sliding: 0.0, affine: None };
+        let with = |up| Plane { across: 0, up, images: Protocol::Steady(0.0), affine: None };
         assert_eq!(with(1).vorticity::<2>(), (0, 1.0));
         assert_eq!(with(1).vorticity::<3>(), (2, 1.0));
         // seen along y, the component about y is clockwise

@@ -145,11 +145,12 @@ pub fn reynolds_stress<const D: usize>(
     shear: &Shear<D>,
 ) -> Result<Option<SMatrix<f64, D, D>>> {
     let Some(inertia) = &setup.inertia else { return Ok(None) };
-    let (at_bottom, of_fluid) = match setup.domain.axes[shear.gradient] {
-        Axis::Walls { lower, .. } => (lower, 1.0),
+    let axis = &setup.domain.axes[shear.gradient];
+    let (at_bottom, of_fluid) = match (axis.walls(), axis) {
+        (Some([lower, _]), _) => (lower, 1.0),
         // what is solved for is the disturbance
-        Axis::Sheared(_) => (SVector::zeros(), 0.0),
-        Axis::Periodic | Axis::Open(_) => return Ok(None),
+        (None, Axis::Sheared(_)) => (SVector::zeros(), 0.0),
+        _ => return Ok(None),
     };
     let background = |point: &SVector<f64, D>| at_bottom + shear.flow * (shear.rate * point[shear.gradient]);
     let velocities = CellCenters::new(grid, &solution.fluid)?.velocity(&solution.fluid)?;

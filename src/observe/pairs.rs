@@ -270,7 +270,7 @@ mod tests {
     /// A disk at the top and one at the bottom, whose image above has slid aside: it is not where it would be in a box at rest.
     #[test]
     fn images_that_slide_are_counted_where_they_are_at_that_time() {
-        let slide = LeesEdwards { start: 0.0, speed: 8.0, time: 0.0 };
+        let slide = LeesEdwards::steady(0.0, 8.0, 0.0);
         let domain = Domain { size: Vector2::new(16.0, 8.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
         let balls = [[1.0, 7.5], [1.0, 0.2]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 });
         // separations of 0.7, of (2, 0.7), of (-1.8, 0.7) and, after whole lengths of the box, of 0.7 again

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use crate::{
-    geometry::{Axis, Ball, Domain},
+    geometry::{Ball, Domain},
     grid::Grid,
     scene::Scene,
 };
@@ -47,7 +47,7 @@ impl<const D: usize> CutPlane<D> {
         let density = (SAMPLES / size[0].max(size[1])).min(SAMPLES_PER_CELL / grid.spacing().min());
         let samples = size.map(|length| (density * length).ceil().max(8.0) as usize);
         let periodic = axes.map(|axis| domain.periodic(axis));
-        let walls = axes.map(|axis| matches!(domain.axes[axis], Axis::Walls { .. }));
+        let walls = axes.map(|axis| domain.axes[axis].walled());
         let shift = if axes == [0, 1] { domain.shift() } else { 0.0 };
         CutPlane { axes, through, size, samples, periodic, walls, shift, domain: domain.clone() }
     }

@@ -56,7 +56,7 @@ fn set_by_walls(scene: &Scene) -> Option<(f64, &'static str)> {
 
 fn set_by_drive(scene: &Scene) -> Option<(f64, &'static str)> {
     let set = match scene.flow.drive.as_ref()? {
-        Drive::ShearRate(rate) | Drive::ShearedBox(rate) => (rate.abs() * scene.domain.size[1], SHEARED),
+        Drive::ShearRate(protocol) | Drive::ShearedBox(protocol) => (protocol.fastest() * scene.domain.size[1], SHEARED),
         Drive::MeanVelocity(velocity) => (length(velocity), "mean velocity"),
         _ => return None,
     };
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_sheared_scene_measures_by_rate_and_height() {
         let mut scene = Scene::new("sheared", &[4.0, 3.0]);
-        scene.flow.drive = Some(Drive::ShearRate(-2.0));
+        scene.flow.drive = Some(Drive::ShearRate((-2.0).into()));
         let scale = SpeedScale::of(&scene);
         assert_eq!((scale.unit, scale.words, scale.rate.0), (6.0, SHEARED, 2.0));
         assert_eq!(SpeedScale::name("speed |u|", scale.words), "speed |u| / (rate \u{d7} height)");

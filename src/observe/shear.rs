@@ -4,33 +4,52 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     flow::Drive,
-    geometry::{Axis, Domain},
+    geometry::Domain,
 };
 
-/// A simple shear: velocity along `flow` grows along axis `gradient`; no other axis has walls.
+/// A simple shear: velocity along `flow` grows along axis `gradient`; no other axis has walls. Reversed, it flows the other way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shear<const D: usize> {
     /// Direction of the flow, a unit vector.
     pub flow: SVector<f64, D>,
     /// Axis along which its velocity grows.
     pub gradient: usize,
-    /// Growth of the velocity per length.
+    /// Growth of the velocity per length, positive; where nothing is sheared at this instant a tiny part of the largest of all times.
     pub rate: f64,
+    /// Whether nothing is sheared at this instant.
+    pub at_rest: bool,
 }
+
+/// Part of the largest rate that counts as none.
+const NO_RATE: f64 = 1e-9;
 
 impl<const D: usize> Shear<D> {
     /// That of a box and a drive, if it is one.
     pub fn of(domain: &Domain<D>, drive: &Drive<D>) -> Option<Shear<D>> {
+        if let Some(protocol) = domain.protocol() {
+            let (rate, least) = (protocol.rate(domain.time()), NO_RATE * protocol.fastest());
+            return Some(Shear { flow: unit(0) * rate.signum(), gradient: 1, rate: rate.abs().max(least), at_rest: rate.abs() < least });
+        }
         if let Drive::Shear(rate) = drive {
-            return (*rate != 0.0).then(|| Shear { flow: unit(0), gradient: 1, rate: *rate });
+            return (*rate != 0.0).then(|| Shear { flow: unit(0) * rate.signum(), gradient: 1, rate: rate.abs(), at_rest: false });
         }
         (0..D).find_map(|gradient| {
-            let Axis::Walls { lower, upper } = domain.axes[gradient] else { return None };
+            let [lower, upper] = domain.axes[gradient].walls()?;
             let difference = upper - lower;
             let speed = difference.norm();
             let sheared = speed > 0.0 && (0..D).all(|axis| axis == gradient || domain.periodic(axis));
-            sheared.then(|| Shear { flow: difference / speed, gradient, rate: speed / domain.size[gradient] })
+            sheared.then(|| Shear { flow: difference / speed, gradient, rate: speed / domain.size[gradient], at_rest: false })
         })
+    }
+
+    /// The strain at a time: of a shear whose rate changes that along x, which may be negative.
+    pub fn strain(&self, domain: &Domain<D>, time: f64) -> f64 {
+        domain.protocol().map_or(self.rate * time, |protocol| protocol.passed(time))
+    }
+
+    /// Its rate, or 0 where nothing is sheared; of a shear whose rate changes that along x, which may be negative.
+    pub fn rate_along(&self, domain: &Domain<D>) -> f64 {
+        domain.protocol().map_or(self.rate, |protocol| protocol.rate(domain.time()))
     }
 
     /// Direction of the gradient, a unit vector.

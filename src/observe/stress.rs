@@ -23,7 +23,7 @@ use crate::{
     body::Motion,
     contact::ContactForce,
     error::Result,
-    geometry::{Axis, Ball},
+    geometry::{Ball},
     grid::Grid,
     interaction::PairForce,
     mechanics::{BodyState, Setup, Solution, SuspendedBody},
@@ -128,7 +128,7 @@ fn normal_stresses<const D: usize>(stress: &SMatrix<f64, D, D>, shear: &Shear<D>
 
 /// What given torques and, between walls, given forces along them add to the stress, times volume; nothing without any.
 fn load_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, shear: &Shear<D>) -> Option<SMatrix<f64, D, D>> {
-    let walled = matches!(setup.domain.axes[shear.gradient], Axis::Walls { .. });
+    let walled = setup.domain.axes[shear.gradient].walled();
     let along = shear.flow * shear.across().transpose();
     let load = |(suspended, state): (&SuspendedBody<D>, &BodyState<D>)| {
         let Motion::Free { force, torque } = suspended.body.motion else { return None };

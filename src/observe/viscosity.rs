@@ -12,7 +12,6 @@ use crate::{
     contact::{ContactForce, Partner},
     error::Result,
     flow::Drive,
-    geometry::Axis,
     grid::Grid,
     mechanics::{Setup, Solution, SuspendedBody},
 };
@@ -28,6 +27,12 @@ const EVEN: f64 = 1e-6;
 pub struct Viscosity {
     /// Rate of the simple shear in which it is measured.
     pub rate: f64,
+    /// Whether nothing is sheared at this instant of a shear whose rate changes: no stress has a ratio to the rate then.
+    pub at_rest: bool,
+    /// Shear stress: along the flow of a steady shear; of one whose rate changes along x, negative where it is sheared the other way.
+    pub shear_stress: f64,
+    /// The same on the walls, mean of both, where there are walls; with inertia it is another one unless the flow is steady.
+    pub wall_stress: Option<f64>,
     /// Its parts; that of the flow is `1 + sum_i S_i / (mu rate V)`.
     pub parts: Parts<f64>,
     /// The mean stress of each part over viscosity and rate, without the pressure of the fluid, tension positive; in two dimensions the rest is zero. It
@@ -66,16 +71,23 @@ pub fn viscosity<const D: usize>(
         return Ok(None);
     }
     let stress = Stress::of(setup, grid, solution, contacts, &shear)?;
-    let from_walls = match setup.domain.axes[shear.gradient] {
-        Axis::Periodic | Axis::Sheared(_) | Axis::Open(_) => None,
-        Axis::Walls { lower, upper } => {
+    let from_walls = match setup.domain.axes[shear.gradient].walls() {
+        None => None,
+        Some(walls) => {
             let by_contacts = contact_shear(setup, contacts, &shear);
-            Some((wall_shear(grid, setup.viscosity, solution, &shear, [lower, upper])? + by_contacts) / shear.rate)
+            Some((wall_shear(grid, setup.viscosity, solution, &shear, walls)? + by_contacts) / shear.rate)
         }
     };
+    let parts = stress.parts.map(|part| shear.of_stress(&part));
+    // what a tiny rate stands for does not flow
+    let imagined = if shear.at_rest { 1.0 } else { 0.0 };
+    let sign = if setup.domain.protocol().is_some() { shear.flow[0] } else { 1.0 };
     Ok(Some(Viscosity {
         rate: shear.rate,
-        parts: stress.parts.map(|part| shear.of_stress(&part)),
+        at_rest: shear.at_rest,
+        shear_stress: sign * (parts.total() - imagined) * setup.viscosity * shear.rate,
+        wall_stress: from_walls.map(|relative| sign * relative * setup.viscosity * shear.rate),
+        parts,
         stress: stress.parts.map(|part| in_space(&part)),
         normal: stress.normal(&shear),
         normal_parts: stress.normal_parts(&shear),
@@ -99,7 +111,9 @@ pub fn why_no_viscosity<const D: usize>(setup: &Setup<D>) -> Option<String> {
 
 /// Difference of the shear stresses of two walls over viscosity and rate, by all forces along them that are given, if there is any.
 fn uneven<const D: usize>(setup: &Setup<D>, shear: &Shear<D>) -> Option<f64> {
-    let Axis::Walls { .. } = setup.domain.axes[shear.gradient] else { return None };
+    if !setup.domain.axes[shear.gradient].walled() {
+        return None;
+    }
     let volume = setup.domain.volume();
     let driven = match setup.drive {
         Drive::PressureGradient(gradient) => -gradient * volume,

@@ -1,6 +1,6 @@
 //! What a run answers, in a few lines: the numbers that its scene is about. The terminal and the report show the same ones.
 
-use super::{MeanSpeed, MeanViscosity, SettlingSummary, Summary, summary::ViscositySummary};
+use super::{MeanSpeed, MeanViscosity, Modulus, OscillationSummary, SettlingSummary, Summary, summary::ViscositySummary};
 
 /// One line of an answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,11 +22,13 @@ impl Answer {
 
 /// The answers of a run, the first one first.
 pub fn answers(summary: &Summary) -> Vec<Answer> {
-    let viscosity = summary.viscosity.iter().flat_map(of_viscosity);
+    let oscillation = summary.oscillation.iter().flat_map(of_oscillation);
+    let viscosity = summary.viscosity.iter().flat_map(|viscosity| of_viscosity(viscosity, summary.steps > 0));
     let without = summary.no_viscosity.iter().map(|why| Answer::new("relative viscosity", format!("none: {why}")));
     let drag = summary.accuracy.as_ref().and_then(|accuracy| accuracy.drag);
     let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
-    viscosity
+    oscillation
+        .chain(viscosity)
         .chain(without)
         .chain(of_accuracy)
         .chain(of_forces(summary))
@@ -36,12 +38,27 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
         .collect()
 }
 
-fn of_viscosity(viscosity: &ViscositySummary) -> Vec<Answer> {
+fn of_oscillation(oscillation: &OscillationSummary) -> Vec<Answer> {
+    let cycles = if oscillation.cycles == 1 { "one cycle".to_owned() } else { format!("{} cycles", oscillation.cycles) };
+    let modulus = |Modulus { value, interval }: &Modulus| {
+        let interval = interval.map_or(String::new(), |[low, high]| format!(" ± {} (95 %)", bar(0.5 * (high - low))));
+        format!("{}{interval} over {cycles}", number(*value, 5))
+    };
+    let third = oscillation.harmonics.get(2).map_or(String::new(), |third| format!(", third harmonic {:.2} %", 100.0 * third));
+    let complex = format!("{} times the fluid's, ahead of the strain by {:.2} degrees{third}", number(oscillation.complex_viscosity, 5), oscillation.phase);
+    vec![
+        Answer::new("storage modulus", modulus(&oscillation.storage_modulus)),
+        Answer::new("loss modulus", modulus(&oscillation.loss_modulus)),
+        Answer::new("complex viscosity", complex),
+    ]
+}
+
+fn of_viscosity(viscosity: &ViscositySummary, in_time: bool) -> Vec<Answer> {
     let mut lines: Vec<Answer> = viscosity.mean.iter().flat_map(of_mean).collect();
     let too_short = viscosity.too_short.as_ref().filter(|_| viscosity.mean.is_none());
     let interval = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
     let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.DECIMALS$})"));
-    let when = if lines.is_empty() && too_short.is_none() { "" } else { " at the end" };
+    let when = if in_time { " at the end" } else { "" };
     lines.push(Answer::new("relative viscosity", format!("{:.DECIMALS$}{interval}{when}{walls}", viscosity.relative)));
     lines.extend(split(viscosity.relative, &viscosity.parts.in_words()).map(|parts| Answer::new("made up of", parts)));
     lines.extend(too_short.map(|short| Answer::new("mean viscosity", short.text())));

@@ -9,6 +9,7 @@ mod effort;
 mod files;
 mod frames;
 mod motions;
+mod oscillation;
 mod pairs;
 mod probe;
 mod profiles;
@@ -43,6 +44,7 @@ pub use frames::{
     StoredFrame, read_frames,
 };
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
+pub use oscillation::{Modulus, OscillationSummary};
 pub use pairs::{PairSummary, pair_files};
 pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};

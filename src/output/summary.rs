@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, PairSummary, ParallelSummary, QuantitySummary, ScalarSummary, Spread,
+    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary, PairSummary, ParallelSummary, QuantitySummary, ScalarSummary, Spread,
     TooShort, VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
 };
@@ -48,6 +48,8 @@ pub struct Summary {
     pub scalar: Option<ScalarSummary>,
     /// Apparent viscosity over that of the fluid, in a sheared suspension of free bodies.
     pub viscosity: Option<ViscositySummary>,
+    /// What a shear that oscillates measures.
+    pub oscillation: Option<OscillationSummary>,
     /// Why such a suspension has none.
     pub no_viscosity: Option<String>,
     /// All that was measured of the suspension, by the names of columns of `series.csv`.
@@ -281,7 +283,7 @@ impl Summary {
             forces: ForceSummary::of(setup, solution),
             velocities: VelocitySummary::of_flow(scene, setup, solution),
             no_viscosity: viscosity.is_none().then(|| why_no_viscosity(setup)).flatten(),
-            viscosity: viscosity.map(ViscositySummary::new),
+            viscosity: viscosity.filter(|viscosity| !viscosity.at_rest).map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
             solver: Some(SolverSummary::of_flow(setup, &solution.cost, world)),
             ..Summary::of_bodies(scene, bodies, setup.fraction(), world.size(), parallel)
@@ -334,6 +336,7 @@ impl Summary {
             quantities: BTreeMap::new(),
             inertia: None,
             energy: None,
+            oscillation: None,
             accuracy: None,
             lubrication: None,
             contact: None,

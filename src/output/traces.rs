@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 32] = [
+const FILES: [&str; 33] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -38,6 +38,7 @@ const FILES: [&str; 32] = [
     "animation.png",
     "view.html",
     "viscosity.svg",
+    "stress.svg",
     "effort.svg",
     "probe.csv",
     "pairs.csv",
@@ -56,7 +57,7 @@ const FILES: [&str; 32] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 26] = [
+pub const KNOWN_FILES: [(&str, &str); 27] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
@@ -66,6 +67,7 @@ pub const KNOWN_FILES: [(&str, &str); 26] = [
     ("picture.png", "the end of the run"),
     ("animation.png", "the run as an animated picture"),
     ("viscosity.svg", "the viscosity over the strain"),
+    ("stress.svg", "the shear stress over the strain, of a shear that changes"),
     ("effort.svg", "what the steps cost"),
     ("pairs.svg", "the pair distribution"),
     ("pairs.csv", "the pair distribution as numbers"),

@@ -83,7 +83,7 @@ pub fn drive<const D: usize>(drive: &Drive<D>) -> String {
 fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
     let shift_period = ShiftPeriod::of(&setup.domain, grid);
     shift_period.map_or(String::new(), |shift_period| {
-        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.0)
+        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.shortest(0.0))
     })
 }
 

@@ -87,9 +87,10 @@ fn contact<const D: usize>(model: ContactModel, unit: impl FnOnce() -> f64) -> O
 
 /// Shear stress that walls cause.
 fn walls<const D: usize>(setup: &Setup<D>) -> f64 {
-    let rate = |axis: usize| match setup.domain.axes[axis] {
+    let rate = |axis: usize| match &setup.domain.axes[axis] {
         Axis::Periodic | Axis::Sheared(_) => 0.0,
         Axis::Walls { lower, upper } => (upper - lower).norm() / setup.domain.size[axis],
+        Axis::MovingWalls { upper, .. } => 2.0 * upper.fastest() / setup.domain.size[axis],
         Axis::Open(inflow) => inflow.speed.abs() / setup.domain.size.min(),
     };
     setup.viscosity * (0..D).map(rate).fold(0.0, f64::max)

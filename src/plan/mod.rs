@@ -10,6 +10,7 @@ mod interactions;
 mod memory;
 mod modes;
 mod parts;
+mod protocol;
 mod report;
 mod resolve;
 mod scalar;

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{chains, interactions, modes, surroundings::opposite_neighbours};
+use super::{chains, interactions, modes, protocol, surroundings::opposite_neighbours};
 use crate::{
     body::{Body, Motion, Trajectories, Twist, skew},
     error::Result,
@@ -101,6 +101,7 @@ impl<const D: usize> Setup<D> {
         let welds = interactions::welds(scene, &placed);
         let groups: Vec<usize> = placed.iter().map(|&(group, _)| group).collect();
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
+        let domain = protocol::whole(scene, domain, spacing)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
         let setup = match interactions::friction(scene, &groups) {
             Some(friction) => Setup { interactions: Interactions::new(setup.interactions.shared().chain([friction])), ..setup },
@@ -187,7 +188,9 @@ fn drive<const D: usize>(scene: &Scene) -> Drive<D> {
         Some(scene::Drive::MeanVelocity(velocity)) => Drive::MeanVelocity(vector(velocity)),
         Some(scene::Drive::PressureGradient(gradient)) => Drive::PressureGradient(vector(gradient)),
         Some(scene::Drive::BodyForce(force)) => Drive::BodyForce(vector(force)),
-        Some(scene::Drive::ShearRate(rate) | scene::Drive::ShearedBox(rate)) => Drive::Shear(*rate),
+        // walls shear what is between them
+        Some(scene::Drive::ShearRate(_)) if scene.domain.axes[1] != scene::AxisSection::Periodic => Drive::Rest,
+        Some(scene::Drive::ShearRate(protocol) | scene::Drive::ShearedBox(protocol)) => Drive::Shear(protocol.rate(0.0)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Quantities: what is measured at each instant of a run. Each is declared once, with unit and meaning, and becomes columns of `series.csv`, entries
 //! of the summary and rows of the manual.
 
-use std::{borrow::Cow, rc::Rc};
+use std::{borrow::Cow, marker::PhantomData, rc::Rc};
 
 use nalgebra::SMatrix;
 
@@ -69,6 +69,10 @@ impl<const D: usize> Quantity<D> {
         meaning: impl Into<Cow<'static, str>>,
         of: impl Fn(&Viscosity) -> Option<M> + 'static,
     ) -> Quantity<D> {
+        let of = move |found: &Viscosity| {
+            let numbers = of(found)?.numbers();
+            Some(Shown(if found.at_rest { vec![Number::Missing; numbers.len()] } else { numbers }, PhantomData::<M>))
+        };
         Quantity::new(name, "ratio", meaning, move |view| of(view.viscosity.as_ref()?))
     }
 
@@ -110,6 +114,19 @@ impl<const D: usize> Quantity<D> {
             }
         }
         Ok(())
+    }
+}
+
+/// The numbers of a value of which some may be missing.
+struct Shown<M>(Vec<Number>, PhantomData<M>);
+
+impl<const D: usize, M: QuantityValue<D>> QuantityValue<D> for Shown<M> {
+    fn endings() -> Vec<String> {
+        M::endings()
+    }
+
+    fn numbers(self) -> Vec<Number> {
+        self.0
     }
 }
 

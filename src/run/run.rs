@@ -246,7 +246,8 @@ impl<'a, const D: usize> Run<'a, D> {
         self.evaluated = true;
         self.timed(|run| {
             if let Machinery::InTime { simulation, .. } = &run.machinery {
-                let point = run.viscosity.map(|viscosity| CurvePoint::of(&viscosity, simulation.state().time));
+                let of_all_times = run.viscosity.filter(|_| run.scene.changing_shear().is_none());
+                let point = of_all_times.map(|viscosity| CurvePoint::of(&viscosity, simulation.state().time));
                 run.history.add(run.world, point, ABOUT);
             }
             run.row = run.measured()?;

@@ -26,7 +26,7 @@ pub fn summary<const D: usize>(view: &View<D>) -> Summary {
     if view.scene.contact.model != ContactModel::None {
         summary.contact = Some(contacts(view.world, view.scene, motion));
     }
-    if let Some(parts) = &mut summary.viscosity {
+    if let Some(parts) = summary.viscosity.as_mut().filter(|_| view.scene.changing_shear().is_none()) {
         parts.mean = view.history.mean().copied();
         parts.too_short = viscosity_too_short(view.history.points()).filter(|_| parts.mean.is_none());
     }

@@ -1,6 +1,9 @@
 //! The motion that a shear gives to all, as a scene has it.
 
-use crate::scene::{AxisSection, Drive, Scene};
+use crate::{
+    geometry::Protocol,
+    scene::{AxisSection, Drive, Scene},
+};
 
 /// The velocity `base + rate x[gradient]` along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,9 +19,10 @@ pub struct AffineFlow {
 }
 
 impl AffineFlow {
-    /// What walls or the box impose, where that is the motion of all.
+    /// What walls or the box impose, where that is the motion of all and always the same.
     pub fn of(scene: &Scene) -> Option<AffineFlow> {
-        if let Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) = scene.flow.drive {
+        if let Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) = &scene.flow.drive {
+            let &Protocol::Steady(rate) = protocol else { return None };
             return (rate != 0.0).then_some(AffineFlow { flow: 0, gradient: 1, rate, base: 0.0 });
         }
         (0..scene.dimension()).find_map(|gradient| {
@@ -48,7 +52,7 @@ mod tests {
     fn what_goes_along_with_the_shear_does_not_deviate() {
         let mut scene = Scene::new("sheared", &[4.0, 3.0]);
         assert_eq!(AffineFlow::of(&scene), None);
-        scene.flow.drive = Some(Drive::ShearedBox(-2.0));
+        scene.flow.drive = Some(Drive::ShearedBox(Protocol::Steady(-2.0)));
         let affine = AffineFlow::of(&scene).expect("a shear");
         assert_eq!(affine.deviation(&[1.0, 0.5], &[-1.0, 0.0]), 0.0);
         assert_eq!(affine.deviation(&[1.0, 1.5], &[0.0, 4.0]), 5.0);

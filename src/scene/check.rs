@@ -4,9 +4,10 @@ use std::fmt::Display;
 
 use crate::error::Result;
 use crate::flow::InverseMethod;
+use crate::geometry::Protocol;
 use crate::scene::{
     AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
-    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
+    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -38,8 +39,8 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         check_inertia(scene)?;
     }
     match &scene.flow.drive {
-        Some(Drive::ShearRate(rate)) => check_shear(scene, *rate),
-        Some(Drive::ShearedBox(rate)) => check_sheared_box(scene, *rate),
+        Some(Drive::ShearRate(protocol)) => protocol::check_shear(scene, protocol),
+        Some(Drive::ShearedBox(protocol)) => protocol::check_sheared_box(scene, protocol),
         Some(Drive::MeanVelocity(vector)) => check_walls(scene, "flow.drive.mean_velocity", vector),
         Some(Drive::PressureGradient(vector)) => check_walls(scene, "flow.drive.pressure_gradient", vector),
         Some(Drive::MeanGradient(gradient)) => {
@@ -51,7 +52,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
 }
 
 /// Refuses a key's value unless it is right.
-fn expect(scene: &Scene, right: bool, key: &str, value: impl Display, remedy: &str) -> Result<()> {
+pub(super) fn expect(scene: &Scene, right: bool, key: &str, value: impl Display, remedy: &str) -> Result<()> {
     if right { Ok(()) } else { Err(scene.refuse(key, value, remedy)) }
 }
 
@@ -304,25 +305,6 @@ fn check_still_walls(scene: &Scene, reason: &str) -> Result<()> {
     Ok(())
 }
 
-fn check_shear(scene: &Scene, rate: f64) -> Result<()> {
-    let remedy = "drives no run in time where images stay; add periodic = \"sheared\", which lets them go along, remove [time] or shear between walls";
-    expect(scene, scene.time.is_none(), "flow.drive.shear_rate", rate, remedy)?;
-    check_no_walls(scene, rate)
-}
-
-fn check_sheared_box(scene: &Scene, rate: f64) -> Result<()> {
-    check_no_walls(scene, rate)?;
-    let remedy = "makes no mesh of a box whose images slide; set method.constraint = \"sharp\" or remove flow.drive.periodic";
-    expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
-    let remedy = "must not be 0: nothing would ever slide; remove flow.drive.periodic";
-    expect(scene, scene.time.is_none() || rate != 0.0, "flow.drive.shear_rate", rate, remedy)
-}
-
-fn check_no_walls(scene: &Scene, rate: f64) -> Result<()> {
-    let Some(axis) = walled(scene).next() else { return Ok(()) };
-    Err(scene.refuse("flow.drive.shear_rate", rate, &format!("needs a fully periodic box, but domain.{} has walls", name(axis))))
-}
-
 /// Only a sheared suspension of free bodies has a viscosity.
 fn check_until(scene: &Scene) -> Result<()> {
     let Some(until) = scene.time.as_ref().and_then(|time| time.until) else { return Ok(()) };
@@ -345,8 +327,8 @@ fn check_reference(scene: &Scene) -> Result<()> {
 
 /// Whether a background shear or sliding walls across the only axis that has walls shear the box.
 fn sheared(scene: &Scene) -> bool {
-    if let Some(Drive::ShearRate(rate)) = scene.flow.drive {
-        return rate != 0.0;
+    if let Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) = &scene.flow.drive {
+        return matches!(protocol, Protocol::Steady(rate) if *rate != 0.0);
     }
     let walled: Vec<usize> = walled(scene).collect();
     let [axis] = walled[..] else { return false };
@@ -358,11 +340,11 @@ fn check_walls(scene: &Scene, key: &str, vector: &[f64]) -> Result<()> {
     Err(scene.refuse(key, format!("{vector:?}"), &format!("number {} must be 0: domain.{} has walls", axis + 1, name(axis))))
 }
 
-fn walled(scene: &Scene) -> impl Iterator<Item = usize> {
+pub(super) fn walled(scene: &Scene) -> impl Iterator<Item = usize> {
     let axes = scene.domain.axes.iter().enumerate();
     axes.filter(|(_, axis)| **axis != AxisSection::Periodic).map(|(axis, _)| axis)
 }
 
-fn name(axis: usize) -> &'static str {
+pub(super) fn name(axis: usize) -> &'static str {
     ["x", "y", "z"][axis]
 }

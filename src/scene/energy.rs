@@ -25,7 +25,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     let walled = axes.iter().filter(|axis| matches!(axis, AxisSection::Walls { .. })).count();
     let known = sliding.is_empty() || walled == 1 && sliding.iter().all(opposite);
     expect(known, "knows what walls do if they move oppositely across the only axis that has walls; move them so, or remove it")?;
-    let sheared = !sliding.is_empty() || matches!(scene.flow.drive, Some(Drive::ShearedBox(_)));
+    let sheared = !sliding.is_empty() || matches!(scene.flow.drive, Some(Drive::ShearRate(_) | Drive::ShearedBox(_)));
     let free = scene.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
     expect(free || !sheared, "does not know what moves bodies in shear; remove it, or bodies.motion")
 }

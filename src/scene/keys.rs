@@ -6,6 +6,7 @@ use toml_edit::Value;
 
 use crate::body::Outline;
 use crate::flow::InverseMethod;
+use crate::geometry::{Protocol, RateStep};
 use crate::scene::chains::{rest_word, word as shape_word};
 use crate::scene::entry::word_of;
 use crate::scene::sections::{PLANES, PROFILES};
@@ -144,14 +145,28 @@ fn of_flow(flow: &FlowSection) -> Keys {
         }
     }
     keys.extend(matches!(drive, Some(Drive::ShearedBox(_))).then(|| word("flow.drive.periodic", "sheared")));
-    keys.extend(drive.as_ref().map(|drive| match drive {
-        Drive::MeanVelocity(velocity) => list("flow.drive.mean_velocity", velocity),
-        Drive::PressureGradient(gradient) => list("flow.drive.pressure_gradient", gradient),
-        Drive::BodyForce(force) => list("flow.drive.body_force", force),
-        Drive::ShearRate(rate) | Drive::ShearedBox(rate) => number("flow.drive.shear_rate", *rate),
-        Drive::MeanGradient(gradient) => list("flow.drive.mean_gradient", gradient),
+    keys.extend(drive.iter().flat_map(|drive| match drive {
+        Drive::MeanVelocity(velocity) => vec![list("flow.drive.mean_velocity", velocity)],
+        Drive::PressureGradient(gradient) => vec![list("flow.drive.pressure_gradient", gradient)],
+        Drive::BodyForce(force) => vec![list("flow.drive.body_force", force)],
+        Drive::ShearRate(protocol) | Drive::ShearedBox(protocol) => of_protocol("flow.drive.shear_rate", protocol),
+        Drive::MeanGradient(gradient) => vec![list("flow.drive.mean_gradient", gradient)],
     }));
     keys
+}
+
+fn of_protocol(key: &str, protocol: &Protocol) -> Keys {
+    match protocol {
+        Protocol::Steady(rate) => vec![number(key, *rate)],
+        Protocol::Oscillation { amplitude, frequency } => {
+            vec![number(&format!("{key}.amplitude"), *amplitude), number(&format!("{key}.frequency"), *frequency)]
+        }
+        Protocol::Steps { steps, factor } => {
+            let until = |step: &RateStep| if step.until.is_finite() { format!("until = {:?}, ", step.until) } else { String::new() };
+            let steps: Vec<String> = steps.iter().map(|step| format!("{{ {}rate = {:?} }}", until(step), factor * step.rate)).collect();
+            vec![pair(key, format!("[{}]", steps.join(", ")))]
+        }
+    }
 }
 
 fn of_resolution(resolution: &ResolutionSection) -> Keys {

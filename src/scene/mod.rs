@@ -19,6 +19,7 @@ mod keys;
 mod locations;
 mod overrides;
 mod plane;
+mod protocol;
 mod reference;
 mod scalar;
 mod sections;

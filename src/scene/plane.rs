@@ -1,6 +1,9 @@
 //! The plane of pictures.
 
-use crate::scene::{AxisSection, Drive, Scene};
+use crate::{
+    geometry::Protocol,
+    scene::{AxisSection, Drive, Scene},
+};
 
 impl Scene {
     /// The axes that point right and up in pictures: as the scene says, or else such that gravity pulls down, or else such that walls shear what is
@@ -16,10 +19,12 @@ impl Scene {
         (0..self.dimension()).find(|axis| !plane.contains(axis))
     }
 
-    /// The rate of the shear that walls or the drive impose, if they impose one.
+    /// The rate of the shear that walls or the drive impose, if they impose one; the largest where it changes.
     pub fn shear_rate(&self) -> Option<f64> {
-        if let Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) = self.flow.drive {
-            return Some(rate);
+        match &self.flow.drive {
+            Some(Drive::ShearRate(Protocol::Steady(rate)) | Drive::ShearedBox(Protocol::Steady(rate))) => return Some(*rate),
+            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => return Some(protocol.fastest()),
+            _ => {}
         }
         let rate = |(section, size): (&AxisSection, &f64)| match section {
             AxisSection::Walls { lower, upper } if lower != upper => {

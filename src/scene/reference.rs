@@ -4,8 +4,8 @@ use crate::scene::file;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS};
 use crate::scene::key::Key;
 use crate::scene::sections::{
-    AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FLOW_KEYS, FRICTION_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OUTPUT_KEYS,
-    RESOLUTION_KEYS, SPACING_KEYS, TIME_KEYS, UNTIL_KEYS,
+    AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FLOW_KEYS, FRICTION_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS,
+    OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS, TIME_KEYS, UNTIL_KEYS,
 };
 
 /// A table of a scene file and the keys that it may have.
@@ -22,7 +22,7 @@ pub struct KeySection {
 }
 
 /// All sections, in the order of a scene file.
-pub const SECTIONS: [KeySection; 19] = [
+pub const SECTIONS: [KeySection; 21] = [
     KeySection { name: "top", written: "the top of the file", about: "What stands before the first section.", keys: &file::KEYS },
     KeySection { name: "domain", written: "[domain]", about: "The box and what bounds it.", keys: &DOMAIN_KEYS },
     KeySection {
@@ -33,6 +33,18 @@ pub const SECTIONS: [KeySection; 19] = [
     },
     KeySection { name: "flow", written: "[flow]", about: "The fluid and what drives it.", keys: &FLOW_KEYS },
     KeySection { name: "flow.drive", written: "drive = { .. } of [flow]", about: "One drive.", keys: &DRIVE_KEYS },
+    KeySection {
+        name: "flow.drive.shear_rate",
+        written: "shear_rate = { .. } of drive",
+        about: "A shear that oscillates.",
+        keys: &OSCILLATION_KEYS,
+    },
+    KeySection {
+        name: "flow.drive.shear_rate.0",
+        written: "shear_rate = [{ .. }, ..] of drive",
+        about: "A step of a shear whose rate jumps.",
+        keys: &STEP_KEYS,
+    },
     KeySection {
         name: "resolution",
         written: "[resolution]",

@@ -123,7 +123,7 @@ fn crowd<const D: usize>(domain: &Domain<D>, tries: usize, speed: f64, seed: u64
 
 /// Islands that lie on one rank, that span some, and that span all; pairs across seams and across images that slide; bodies that give no way.
 fn crowds_move_alike_on_any_number_of_ranks(session: &Session) {
-    let slide = |start| Axis::Sheared(LeesEdwards { start, speed: 3.0, time: 0.25 });
+    let slide = |start| Axis::Sheared(LeesEdwards::steady(start, 3.0, 0.25));
     let periodic = |size: [f64; 2]| Domain { size: size.into(), axes: [Axis::Periodic; 2] };
     let sheared = |start| Domain { size: [20.0, 14.0].into(), axes: [Axis::Periodic, slide(start)] };
     let domains = [channel([20.0, 14.0]), channel([10.0, 30.0]), periodic([20.0, 14.0]), sheared(0.7), sheared(13.0)];

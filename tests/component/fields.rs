@@ -92,12 +92,11 @@ fn along<const D: usize>(axis: usize, order: usize) -> [usize; D] {
 
 /// Plane Couette flow between the walls of a channel.
 pub fn couette<const D: usize>(domain: &Domain<D>, component: usize, x: &SVector<f64, D>) -> f64 {
-    let between = |axis: usize| match domain.axes[axis] {
-        Axis::Periodic | Axis::Sheared(_) => 0.0,
-        Axis::Walls { lower, upper } => lower[component] + (upper[component] - lower[component]) * x[axis] / domain.size[axis],
-        Axis::Open(_) => 0.0,
+    let between = |axis: usize| {
+        let [lower, upper] = domain.axes[axis].walls()?;
+        Some(lower[component] + (upper[component] - lower[component]) * x[axis] / domain.size[axis])
     };
-    (0..D).map(between).sum()
+    (0..D).filter_map(between).sum()
 }
 
 /// A number between -1 and 1 without pattern, the same on any number of ranks.

@@ -280,7 +280,7 @@ fn a_restart_goes_on_from_the_forces_of_the_last_step(session: &Session) {
 fn spheres_in_a_sheared_box_obey_the_law(session: &Session) {
     let size = Vector3::repeat(4.6);
     let mut domain = Domain { size, axes: [Axis::Periodic; 3] };
-    domain.axes[1] = Axis::Sheared(turbid::geometry::LeesEdwards { start: 0.0, speed: size[1], time: 0.0 });
+    domain.axes[1] = Axis::Sheared(turbid::geometry::LeesEdwards::steady(0.0, size[1], 0.0));
     let centers: Vec<Vector3<f64>> = pack(&domain, &[] as &[Ball<3>], &[1.0; 8], 0.02, 4).unwrap();
     let bodies = centers.into_iter().map(|center| suspended(center, 1.0, free(), 3)).collect();
     let still = between_walls::<3>(size, 0.0, 4.6 / 16.0, bodies);

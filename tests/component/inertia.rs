@@ -255,7 +255,7 @@ fn at_second_order(error: impl Fn(usize) -> f64, bound: f64) {
 fn a_wave_that_a_sheared_box_tilts_is_followed_at_second_order(session: &Session) {
     let (viscosity, wave, end) = (0.01, TAU, 1.0);
     let error = |cells: usize| {
-        let slide = LeesEdwards { start: 0.0, speed: 1.0, time: 0.0 };
+        let slide = LeesEdwards::steady(0.0, 1.0, 0.0);
         let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
         let setup = Setup { drive: Drive::Shear(1.0), ..setup(domain, 1.0 / cells as f64, viscosity, Vec::new()) };
         let mut flow = UnsteadySuspension::new(session, setup).unwrap();

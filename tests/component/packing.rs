@@ -45,7 +45,7 @@ fn ranks_pack_disks_of_two_sizes_between_walls_as_one_does_alone(session: &Sessi
 
 fn ranks_pack_disks_whose_images_slide_as_one_does_alone(session: &Session) {
     let radii = vec![0.5; 36_000];
-    let slide = |start| Axis::Sheared(LeesEdwards { start, speed: 0.0, time: 0.0 });
+    let slide = |start| Axis::Sheared(LeesEdwards::steady(start, 0.0, 0.0));
     assert_alike(session, &filled([1.0, 1.0], [Axis::Periodic, slide(31.0)], &radii, 0.4), &[], &radii);
 }
 

@@ -40,7 +40,7 @@ pub fn tests() -> Vec<Test> {
 /// A box of images displaced by `start`, sheared at unit rate.
 fn sheared<const D: usize>(size: SVector<f64, D>, start: f64) -> Domain<D> {
     let mut domain = Domain { size, axes: [Axis::Periodic; D] };
-    domain.axes[1] = Axis::Sheared(LeesEdwards { start, speed: size[1], time: 0.0 });
+    domain.axes[1] = Axis::Sheared(LeesEdwards::steady(start, size[1], 0.0));
     domain
 }
 

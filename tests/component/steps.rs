@@ -82,7 +82,7 @@ impl Stepper<2> for Hurdles {
 
 fn hurdles(session: &Session, step: Step, hurdles: &[[f64; 3]], late: bool) -> Simulation<2> {
     let time = TimeSection { step, end: 2.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
-    let control = StepControl { time, shift_period: None, longest: 0.25, by_twos: false };
+    let control = StepControl { time, shift_period: None, protocol: None, longest: 0.25, by_twos: false };
     let stepper = Hurdles { interactions: Interactions::default(), control: control.clone(), hurdles: hurdles.to_vec(), late };
     let domain = Domain { size: [4.0, 4.0].into(), axes: [Axis::Periodic, Axis::Periodic] };
     let state = State::start(std::iter::once((SVector::repeat(1.0), Twist::zero())));

@@ -46,7 +46,7 @@ struct Fluid<const D: usize> {
 fn sheared<const D: usize>(cells: [usize; D], aside: isize) -> Domain<D> {
     let mut domain = unequal(cells, None);
     let start = aside as f64 * domain.size[0] / cells[0] as f64;
-    domain.axes[1] = Axis::Sheared(LeesEdwards { start, speed: 1.0, time: 0.0 });
+    domain.axes[1] = Axis::Sheared(LeesEdwards::steady(start, 1.0, 0.0));
     domain
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::SVector;
 use turbid::{
+    geometry::Protocol,
     motion::Simulation,
     observe,
     petsc::Session,
@@ -68,7 +69,7 @@ impl Units {
         self.one(&mut scene.flow.viscosity, [2 - dimension, -1, 1]);
         self.one(&mut scene.flow.density, [-dimension, 0, 1]);
         match &mut scene.flow.drive {
-            Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) => self.one(rate, [0, -1, 0]),
+            Some(Drive::ShearRate(Protocol::Steady(rate)) | Drive::ShearedBox(Protocol::Steady(rate))) => self.one(rate, [0, -1, 0]),
             Some(Drive::MeanVelocity(velocity)) => self.scale(velocity, [1, -1, 0]),
             Some(_) => panic!("no scene here has another drive"),
             None => {}

@@ -69,7 +69,7 @@ fn shear_between_walls_has_its_vorticity_exactly(session: &Session) {
 
 /// Waves that go on in images displaced by a third of the box, beside a background that they disturb.
 fn vorticity_goes_on_where_images_lie_aside(session: &Session) {
-    let sheared = Axis::Sheared(LeesEdwards { start: 0.0, speed: 2.0, time: 1.0 / 6.0 });
+    let sheared = Axis::Sheared(LeesEdwards::steady(0.0, 2.0, 1.0 / 6.0));
     let domain = Domain { size: SVector::from([1.0, 1.0]), axes: [Axis::Periodic, sheared] };
     let grid = grid(session, &domain, 48);
     let phase = |x: &SVector<f64, 2>| TAU * (x[0] - x[1] / 3.0);

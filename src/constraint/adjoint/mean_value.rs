@@ -79,7 +79,7 @@ pub fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>) -> AdjointBo
 /// The velocity of the wall that a corner of the interpolation lies on, if that is between lattice points.
 fn wall_velocity<const D: usize>(grid: &Grid<D>, component: usize, pairs: &[Pair; D], side: impl Fn(usize) -> usize) -> Option<f64> {
     (0..D).find_map(|axis| {
-        let (walls, (_, upper)) = (grid.domain().axes[axis].walls()?, pairs[axis].wall.filter(|(place, _)| *place == side(axis))?);
+        let (walls, (_, upper)) = (grid.domain().axes[axis].ends()?, pairs[axis].wall.filter(|(place, _)| *place == side(axis))?);
         Some(walls[usize::from(upper)][component])
     })
 }

@@ -59,7 +59,7 @@ fn spheres_that_step_far_never_overlap_and_never_gain_energy() {
 fn disks_whose_images_slide_never_overlap() {
     for (seed, speed) in (0..30).map(|seed| (seed, [14.0, -9.0, 3.0][seed as usize % 3])) {
         let mut domain = domain([20.0, 14.0], [true, true]);
-        domain.axes[1] = Axis::Sheared(LeesEdwards { start: 0.7 * seed as f64, speed, time: 0.25 });
+        domain.axes[1] = Axis::Sheared(LeesEdwards::steady(0.7 * seed as f64, speed, 0.25));
         let mut scene = dense_packing(domain, 200, 4.0, seed);
         if seed % 2 == 0 {
             let carried = scene.balls.iter().map(|ball| scene.domain.carried(&ball.center));

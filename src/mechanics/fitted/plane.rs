@@ -83,6 +83,7 @@ pub fn plane<const D: usize>(domain: &Domain<D>) -> Domain<2> {
         Axis::Periodic => Axis::Periodic,
         Axis::Sheared(slide) => Axis::Sheared(slide),
         Axis::Walls { lower, upper } => Axis::Walls { lower: flat(&lower), upper: flat(&upper) },
+        Axis::MovingWalls { upper, time } => Axis::MovingWalls { upper, time },
         Axis::Open(inflow) => Axis::Open(inflow),
     };
     Domain { size: flat(&domain.size), axes: [axis(0), axis(1)] }

@@ -44,6 +44,17 @@ pub struct FixedOperators<const D: usize> {
     pub fluid_rows: Option<Vector>,
 }
 
+/// What has changed in a box from one time to another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turned {
+    /// Nothing.
+    Nothing,
+    /// How fast walls or images move.
+    Velocities,
+    /// Where images are.
+    Images,
+}
+
 impl<const D: usize> FixedOperators<D> {
     /// Builds matrices and the flow without bodies.
     ///
@@ -99,7 +110,7 @@ impl<const D: usize> FixedOperators<D> {
     /// # Errors
     /// PETSc fails.
     pub fn shift_to(&mut self, shift: f64) -> Result<Box<dyn StokesInverse<D>>> {
-        self.stokes = match self.stokes.grid().domain() == self.grid.domain() {
+        self.stokes = match self.stokes.grid().shift() == self.grid.shift() {
             true => self.stokes.with_shift(shift),
             false => Stokes::shifted(&self.session, &self.grid, shift),
         };
@@ -110,33 +121,37 @@ impl<const D: usize> FixedOperators<D> {
         Ok(inverse)
     }
 
-    /// Lets images slide to where they are at a time, and sets up the inverse of the fluid anew; nothing where they are there already.
+    /// Turns the box to that of a time: images slide, for which the inverse of the fluid is set up anew, and walls change their velocity, for which the flow
+    /// without bodies is found anew. Says what has changed.
     ///
     /// # Errors
-    /// They would be displaced by a part of a cell, or the inverse cannot be set up.
-    pub fn slide(
-        &mut self,
-        time: f64,
-        inverse: impl FnOnce(&Setup<D>, &Stokes<D>, &Grid<D>) -> Result<Box<dyn StokesInverse<D>>>,
-    ) -> Result<Option<Box<dyn StokesInverse<D>>>> {
-        if !self.slide_grid(time)? {
-            return Ok(None);
+    /// Images would be displaced by a part of a cell, or the inverse cannot be set up.
+    pub fn turn_to(&mut self, time: f64, inverse: &mut Box<dyn StokesInverse<D>>) -> Result<Turned> {
+        let turned = self.turn_grid(time)?;
+        if turned == Turned::Images {
+            self.stokes = Stokes::new(&self.session, &self.grid);
+            *inverse = self.setup.inverse_of(&self.stokes, &self.grid)?;
         }
-        self.stokes = Stokes::new(&self.session, &self.grid);
-        inverse(&self.setup, &self.stokes, &self.grid).map(Some)
+        if turned != Turned::Nothing {
+            let Setup { drive, viscosity, .. } = &self.setup;
+            self.undisturbed = flow_without_bodies(drive, *viscosity, &self.grid, &self.stokes, inverse.as_mut(), &self.mean_flow)?;
+        }
+        Ok(turned)
     }
 
-    /// Lets the images of the grid alone slide to where they are at a time; whether they were elsewhere.
+    /// Turns the box and the grid alone to those of a time.
     ///
     /// # Errors
-    /// They would be displaced by a part of a cell.
-    pub fn slide_grid(&mut self, time: f64) -> Result<bool> {
+    /// Images would be displaced by a part of a cell.
+    pub fn turn_grid(&mut self, time: f64) -> Result<Turned> {
         let domain = self.setup.domain.clone().at(time);
         if domain == self.setup.domain {
-            return Ok(false);
+            return Ok(Turned::Nothing);
         }
-        (self.grid, self.setup.domain) = (self.grid.slid(&domain)?, domain);
-        Ok(true)
+        let before = self.grid.shift();
+        self.grid = self.grid.slid(&domain)?;
+        self.setup.turn_to(domain);
+        Ok(if self.grid.shift() == before { Turned::Velocities } else { Turned::Images })
     }
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.

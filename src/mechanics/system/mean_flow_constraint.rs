@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::{
     error::Result,
     flow::{Drive, FluidSystem, OpenEnds, Stokes, StokesInverse},
-    geometry::{Axis, Domain},
+    geometry::Domain,
     grid::{Grid, operators},
     parallel::World,
     petsc::Vector,
@@ -146,11 +146,8 @@ fn dragged_by_walls<const D: usize>(grid: &Grid<D>, stokes: &Stokes<D>) -> Resul
     if domain.open().is_some() {
         return Ok(None);
     }
-    let mut walled = (0..D).filter_map(|axis| match domain.axes[axis] {
-        Axis::Walls { lower, upper } => Some((axis, lower, upper)),
-        _ => None,
-    });
-    let (Some((across, lower, upper)), None) = (walled.next(), walled.next()) else { return Ok(None) };
+    let mut walled = (0..D).filter_map(|axis| Some((axis, domain.axes[axis].walls()?)));
+    let (Some((across, [lower, upper])), None) = (walled.next(), walled.next()) else { return Ok(None) };
     let mut flow = stokes.vector()?;
     let mut values = flow.local_mut()?;
     for field in (0..D).filter(|&field| field != across) {

@@ -4,7 +4,6 @@ use super::momentum::inertia;
 use crate::{
     body::{Body, Motion, Twist, components},
     flow::Drive,
-    geometry::Axis,
     interaction::Wrench,
     mechanics::{Setup, SuspendedBody},
     surface::Shape,
@@ -39,7 +38,7 @@ pub fn first_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64, 
     let way = COURANT * spacing;
     let motions = setup.fastest_motions().into_iter().enumerate();
     let by_bodies = motions.map(|(body, motion)| by_motion(setup, way, (body, motion), pushes.get(body))).fold(f64::INFINITY, f64::min);
-    let walls = setup.domain.axes.iter().filter(|axis| matches!(axis, Axis::Walls { .. }));
+    let walls = setup.domain.axes.iter().filter(|axis| axis.walled());
     let by_walls = walls.map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
     let by_drive = from_rest(way, inertia(setup).fluid, setup.drive.uniform_force().norm());
     (AROUND * way / fastest.max(stream(setup))).min(FIRST * by_bodies.min(by_walls).min(by_drive))

@@ -55,7 +55,7 @@ use crate::{
         assembled_system::AssembledSystem,
         assembly::Assembly,
         film_forces::add_films,
-        fixed_operators::FixedOperators,
+        fixed_operators::{FixedOperators, Turned},
         krylov_workspace::KrylovWorkspace,
         mean_flow_constraint::{add_drive, add_walls},
         readback,
@@ -313,8 +313,12 @@ impl<const D: usize> UnsteadySuspension<D> {
 
     /// The rates of change of motions at a time, and turns operators to the step that leads there.
     fn begin(&mut self, time: f64) -> Result<StepWeights> {
-        if self.fixed.slide_grid(time)? {
-            (self.inverse, self.assembly) = (None, None);
+        let turned = self.fixed.turn_grid(time)?;
+        if turned != Turned::Nothing {
+            self.assembly = None;
+        }
+        if turned == Turned::Images {
+            self.inverse = None;
             if !self.fixed.condensed {
                 self.recent = RecentHistories::default();
             }

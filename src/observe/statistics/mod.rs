@@ -4,12 +4,14 @@
 //! stands out; the interval comes from the scatter of few long blocks. Pure functions of slices.
 
 mod blocks;
+mod harmonics;
 mod resampling;
 mod shortage;
 mod steady;
 mod transient;
 
 pub use blocks::{BLOCKS, FEWEST, Interval, interval, mean, standard_error, student};
+pub use harmonics::{HARMONICS, Harmonics, harmonics};
 pub use resampling::{mean_from, resampled};
 pub use shortage::Shortage;
 pub use steady::{Steady, steady};

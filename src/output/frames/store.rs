@@ -84,7 +84,7 @@ fn describe<const D: usize>(root: &Group, frame: &Frame<D>, rows: &FrameRows) ->
     slab::set_all(root, "periodic", &std::array::from_fn::<u8, D, _>(|axis| u8::from(frame.domain.periodic(axis))))?;
     if let (Some(offset), Some(slide)) = (frame.offset(), frame.domain.slide()) {
         slab::set(root, OFFSET, offset)?;
-        slab::set(root, "offset_rate", slide.speed)?;
+        slab::set(root, "offset_rate", slide.speed())?;
     }
     if let Some((contacts, _)) = &rows.contacts {
         slab::set(root, "contact_count", contacts.total() as u64)?;

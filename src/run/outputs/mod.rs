@@ -16,6 +16,7 @@ mod picture;
 mod probe;
 mod profiles;
 mod progress;
+mod protocol;
 mod report;
 mod series;
 mod settling;
@@ -80,7 +81,11 @@ fn of_steps<const D: usize>(
     texts: Vec<(&'static str, String)>,
     simulation: &Simulation<D>,
 ) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
-    let (series, points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
+    let (series, mut points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
+    if scene.changing_shear().is_some() {
+        // a mean over all strains means nothing
+        points.clear();
+    }
     let mut all: Outputs<D> = vec![
         Box::new(series),
         Box::new(frames::FrameFiles::open(world, scene, folder, simulation)?),
@@ -89,6 +94,9 @@ fn of_steps<const D: usize>(
     ];
     if let Some(forces) = forces::ForcesFile::open(world, scene, folder, simulation)? {
         all.push(Box::new(forces));
+    }
+    if scene.changing_shear().is_some() {
+        all.push(Box::new(protocol::ProtocolFiles { folder: folder.to_owned() }));
     }
     if scene.output.energy {
         all.push(Box::new(energy::EnergyFile::open(world, folder, simulation)?));

@@ -42,7 +42,7 @@ impl<const D: usize> Output<D> for PairFiles {
                 let balls: Vec<Ball<D>> = setup.bodies.iter().map(|suspended| suspended.body.ball).collect();
                 let bodies = PairBodies { domain: &setup.domain, radii: balls.iter().map(|ball| ball.radius).collect(), shear };
                 let mut counts = bodies.counts();
-                counts.add(bodies.domain.slide().map_or(0.0, |slide| slide.time), &balls);
+                counts.add(bodies.domain.time(), &balls);
                 counts.distribution().map(|distribution| (distribution, 0.0))
             }
             (None, None) => None,

@@ -58,6 +58,9 @@ impl ReportFile {
 /// What is known on the way without asking other ranks.
 fn answers_so_far<const D: usize>(view: &View<D>, mean: Option<&MeanViscosity>) -> Vec<Answer> {
     let Some(viscosity) = &view.viscosity else { return Vec::new() };
+    if view.scene.changing_shear().is_some() {
+        return vec![Answer { name: "shear stress", value: format!("{:.5} at this instant", viscosity.shear_stress) }];
+    }
     let value = match mean {
         Some(mean) => format!("{:.4} ± {:.1e} so far", mean.relative, mean.half_width()),
         None => viscosity_too_short(view.history.points()).map_or(String::new(), |short| short.text()),

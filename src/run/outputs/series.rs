@@ -53,8 +53,10 @@ impl<const D: usize> Output<D> for SeriesFile {
         }
         view.world.agree(self.rows.as_ref().map_or(Ok(()), StepTable::refuse_change))?;
         let path = self.folder.join("series.csv");
+        // a mean over all strains of a shear that changes means nothing
+        let steady = view.scene.changing_shear().is_none();
         let mut means = || Columns::read(&path).map(|series| SteadyMean::attach(&mut summary.quantities, &series));
-        view.world.agree(if view.world.rank() == 0 && path.exists() { means() } else { Ok(()) })?;
+        view.world.agree(if steady && view.world.rank() == 0 && path.exists() { means() } else { Ok(()) })?;
         Ok(vec!["series.csv".to_owned()].into_iter().filter(|name| self.folder.join(name).exists()).collect())
     }
 }

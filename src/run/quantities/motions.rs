@@ -64,6 +64,6 @@ fn body_velocity<const D: usize>(view: &View<D>) -> Option<SVector<f64, D>> {
 /// The mean velocity of a flow that is no background shear, along an axis without walls.
 fn mean_velocity<const D: usize>(view: &View<D>, axis: usize) -> Option<f64> {
     let (flow, domain) = (view.flow?, view.motion?.domain());
-    let through = domain.axes[axis].walls().is_none() || domain.open().is_some_and(|(open, _)| open == axis);
+    let through = domain.axes[axis].ends().is_none() || domain.open().is_some_and(|(open, _)| open == axis);
     (through && !matches!(flow.solver.setup().drive, Drive::Shear(_))).then(|| flow.solution.mean_velocity[axis])
 }

@@ -1,8 +1,10 @@
 //! The fluid of a scene, if it has one.
 
 use crate::error::Result;
+use crate::geometry::Protocol;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
+use crate::scene::sections::protocol::read as read_protocol;
 use crate::scene::table::Table;
 
 /// Keys of `flow.drive`, which exclude each other.
@@ -44,9 +46,15 @@ pub(in crate::scene) const DRIVE_KEYS: [Key; 6] = [
         .unit("pressure/length")
         .range("0 along walled axes"),
     Key::new("body_force", "list of numbers", "[1.0, 0.0]", "Force per volume on the fluid alone.").unit("force/volume"),
-    Key::new("shear_rate", "number", "1.0", "Rate of the background shear (rate y, 0, 0) of a box that is periodic along all axes.")
-        .unit("1/time")
-        .needs("domain.y = \"periodic\""),
+    Key::new(
+        "shear_rate",
+        "number, table, or list of tables",
+        "1.0",
+        "Rate of the shear (rate y, 0, 0): of a box that is periodic along all axes, or of walls across y that move oppositely along x. It oscillates by \
+        { amplitude, frequency }, or goes by steps [{ until, rate }, ..].",
+    )
+    .unit("1/time")
+    .needs("domain.y = \"periodic\""),
     Key::new("mean_gradient", "list of numbers", "[1.0, 0.0]", "Mean gradient of a scalar in a box that is periodic along all axes.")
         .unit("1/length")
         .range("not zero")
@@ -99,10 +107,10 @@ pub enum Drive {
     PressureGradient(Vec<f64>),
     /// A uniform force per volume.
     BodyForce(Vec<f64>),
-    /// The rate of the background shear `(rate y, 0, 0)` of a fully periodic box.
-    ShearRate(f64),
+    /// The rate of the shear `(rate y, 0, 0)`: of a fully periodic box whose images stay, or between walls across y that move oppositely.
+    ShearRate(Protocol),
     /// As [`ShearRate`](Drive::ShearRate), where the images of the box go along: those above it slide along x.
-    ShearedBox(f64),
+    ShearedBox(Protocol),
     /// The mean gradient of a scalar in a fully periodic box.
     MeanGradient(Vec<f64>),
 }
@@ -177,8 +185,8 @@ impl Drive {
             "pressure_gradient" => Drive::PressureGradient(entry.vector(dimension)?),
             "body_force" => Drive::BodyForce(entry.vector(dimension)?),
             "mean_gradient" => Drive::MeanGradient(entry.vector(dimension)?),
-            _ if sheared => Drive::ShearedBox(entry.number()?),
-            _ => Drive::ShearRate(entry.number()?),
+            _ if sheared => Drive::ShearedBox(read_protocol(&entry)?),
+            _ => Drive::ShearRate(read_protocol(&entry)?),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! What a run writes.
 
 use crate::error::Result;
+use crate::geometry::Protocol;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::table::Table;
@@ -172,7 +173,7 @@ impl OutputSection {
             refuse_frames(&table, model)?;
         }
         let mut default = OutputSection::default();
-        if let Some(Drive::ShearRate(rate) | Drive::ShearedBox(rate)) = flow.drive
+        if let Some(Drive::ShearRate(Protocol::Steady(rate)) | Drive::ShearedBox(Protocol::Steady(rate))) = flow.drive
             && rate != 0.0
         {
             default.colour = Colour::NonAffine;
