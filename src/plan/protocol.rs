@@ -58,3 +58,42 @@ fn check(scene: &Scene, protocol: Protocol, (cell, unit): (f64, f64), scheme: Sc
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::mechanics::Setup;
+
+    fn domain(rate: &str, time: &str) -> Result<Domain<2>> {
+        let text = format!(
+            "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\nflow.drive = {{ shear_rate = {rate}, periodic = \"sheared\" }}\n\
+             bodies = [{{ radius = 1.0, count = 1 }}]\ntime = {{ end = 2.0{time} }}\n"
+        );
+        Ok(Setup::of(&Scene::parse("scene", Path::new("."), &text, &[])?)?.domain)
+    }
+
+    #[test]
+    fn rates_jump_where_images_have_slid_by_whole_cells() {
+        let slid = |time: &str| {
+            let slide = domain("[{ until = 0.17, rate = 1.0 }, { until = 0.3, rate = 0.0 }, { rate = -1.0 }]", time).unwrap().slide().unwrap();
+            let jump = slide.protocol.next_jump(0.0);
+            [jump, slide.protocol.next_jump(jump) - jump, slide.protocol.passed(jump) / 0.25].map(|number| (number * 1e9).round() / 1e9)
+        };
+        // a first step slides them by two cells
+        assert_eq!(slid(""), [0.125, 0.13, 2.0]);
+        assert_eq!(slid(", scheme = \"euler\""), [0.1875, 0.13, 3.0]);
+    }
+
+    #[test]
+    fn images_that_slide_by_too_few_cells_are_refused_with_a_remedy() {
+        let refusal = |rate: &str, time: &str| domain(rate, time).unwrap_err().to_string();
+        let few = refusal("[{ until = 0.05, rate = 1.0 }, { rate = -1.0 }]", "");
+        assert!(few.contains("flow.drive.shear_rate[0].until = 0.05: slides") && few.contains("0.80 cells, and takes 2 at least"), "{few}");
+        let few = refusal("{ amplitude = 0.1, frequency = 1.0 }", "");
+        assert!(few.contains("flow.drive.shear_rate.amplitude = 0.1: slides") && few.contains("1.60 cells to either side"), "{few}");
+        let middle = refusal("{ amplitude = 0.5, frequency = 1.0 }", ", scheme = \"midpoint\"");
+        assert!(middle.contains("remove time.scheme"), "{middle}");
+    }
+}

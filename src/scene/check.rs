@@ -1,10 +1,9 @@
 //! What sections of a scene demand of each other.
 
-use std::fmt::Display;
-
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::geometry::Protocol;
+use crate::scene::demand::{expect, name, walled};
 use crate::scene::{
     AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
     MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol,
@@ -49,11 +48,6 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         }
         Some(Drive::BodyForce(_)) | None => Ok(()),
     }
-}
-
-/// Refuses a key's value unless it is right.
-pub(super) fn expect(scene: &Scene, right: bool, key: &str, value: impl Display, remedy: &str) -> Result<()> {
-    if right { Ok(()) } else { Err(scene.refuse(key, value, remedy)) }
 }
 
 /// Refuses a plane of pictures through which images slide, or beside the box.
@@ -338,13 +332,4 @@ fn sheared(scene: &Scene) -> bool {
 fn check_walls(scene: &Scene, key: &str, vector: &[f64]) -> Result<()> {
     let Some(axis) = walled(scene).find(|&axis| vector[axis] != 0.0) else { return Ok(()) };
     Err(scene.refuse(key, format!("{vector:?}"), &format!("number {} must be 0: domain.{} has walls", axis + 1, name(axis))))
-}
-
-pub(super) fn walled(scene: &Scene) -> impl Iterator<Item = usize> {
-    let axes = scene.domain.axes.iter().enumerate();
-    axes.filter(|(_, axis)| **axis != AxisSection::Periodic).map(|(axis, _)| axis)
-}
-
-pub(super) fn name(axis: usize) -> &'static str {
-    ["x", "y", "z"][axis]
 }

@@ -9,6 +9,7 @@ mod bodies;
 mod chains;
 mod check;
 mod clusters;
+mod demand;
 mod difference;
 mod energy;
 mod entry;

@@ -2,7 +2,7 @@
 
 use super::{
     AxisSection, ConstraintMethod, Drive, FlowModel, Scene,
-    check::{expect, name, walled},
+    demand::{expect, name, walled},
 };
 use crate::{error::Result, geometry::Protocol};
 

@@ -100,6 +100,8 @@ mod tests {
             "clusters" => "[[clusters]]\ncount = 1\nshape = \"rod\"\nbeads = 3\nradius = 0.4",
             "domain.y" => "domain.y = { lower = [0.0, 0.0], upper = [0.0, 0.0] }\n[[bodies]]\nradius = 0.5\ncount = 2",
             "time.until" => "[[bodies]]\nradius = 0.5\ncount = 2\n[time]\nend = 1.0",
+            "flow.drive.shear_rate" => "flow.drive.shear_rate = { amplitude = 0.1, frequency = 1.0 }\n[[bodies]]\nradius = 0.5\ncount = 2",
+            "flow.drive.shear_rate.0" => "flow.drive.shear_rate = [{ rate = 1.0 }]\n[[bodies]]\nradius = 0.5\ncount = 2",
             _ => "[[bodies]]\nradius = 0.5\ncount = 2",
         };
         format!("{BASE}{group}")

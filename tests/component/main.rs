@@ -52,6 +52,7 @@ mod outputs;
 mod ownership;
 mod packing;
 mod scalar;
+mod protocols;
 mod sheared;
 mod solvers;
 mod steps;
@@ -152,6 +153,7 @@ fn main() {
         files::tests(),
         momentum::tests(),
         motion::tests(),
+        protocols::tests(),
         sheared::tests(),
         vorticity::tests(),
         contact::tests(),
