@@ -59,6 +59,7 @@ const SCENES: &[(&str, &str)] = &files![
     "shear3d.toml",
     "sheared.toml",
     "steady.toml",
+    "stress.toml",
     "tencate.toml",
     "tumbling.toml",
     "vortex.toml",

@@ -163,6 +163,18 @@ impl<const D: usize> Domain<D> {
         self
     }
 
+    /// The box at a time at which a shear whose rate a stress decides has come to a strain and goes on at a rate.
+    pub fn sheared_to(mut self, time: f64, strain: f64, rate: f64) -> Domain<D> {
+        for (axis, size) in self.axes.iter_mut().zip(&self.size) {
+            match axis {
+                Axis::Sheared(LeesEdwards { protocol, .. }) => *protocol = protocol.found(time, strain * size, rate * size),
+                Axis::MovingWalls { upper, .. } => *upper = upper.found(time, 0.5 * strain * size, 0.5 * rate * size),
+                _ => {}
+            }
+        }
+        self.at(time)
+    }
+
     /// The shear rate over time that images or moving walls impose, where it changes.
     pub fn protocol(&self) -> Option<Protocol> {
         let of_axis = |(axis, size): (&Axis<D>, &f64)| match axis {

@@ -18,6 +18,17 @@ pub enum Protocol {
         /// Cycles a time, positive.
         frequency: f64,
     },
+    /// A rate that a shear stress decides on the way: of what it has been the integral is known.
+    Stress {
+        /// The shear stress.
+        stress: f64,
+        /// When the rate was found.
+        since: f64,
+        /// The integral up to then.
+        passed: f64,
+        /// The rate.
+        rate: f64,
+    },
     /// One rate after the other, from time 0 on.
     Steps {
         /// The steps.
@@ -65,7 +76,7 @@ impl Protocol {
     /// The rate at a time; where it jumps, that of what follows.
     pub fn rate(&self, time: f64) -> f64 {
         match self {
-            Protocol::Steady(rate) => *rate,
+            Protocol::Steady(rate) | Protocol::Stress { rate, .. } => *rate,
             Protocol::Oscillation { amplitude, frequency } => TAU * frequency * amplitude * (TAU * frequency * time).cos(),
             Protocol::Steps { steps, factor } => factor * step_at(steps, time).rate,
         }
@@ -75,6 +86,7 @@ impl Protocol {
     pub fn passed(&self, time: f64) -> f64 {
         match self {
             Protocol::Steady(rate) => rate * time,
+            Protocol::Stress { since, passed, rate, .. } => passed + rate * (time - since),
             Protocol::Oscillation { amplitude, frequency } => amplitude * (TAU * frequency * time).sin(),
             Protocol::Steps { steps, factor } => {
                 let step = step_at(steps, time);
@@ -86,7 +98,7 @@ impl Protocol {
     /// The mean rate from a time on.
     pub fn mean_rate(&self, time: f64, interval: f64) -> f64 {
         match self {
-            Protocol::Steady(rate) => *rate,
+            Protocol::Steady(rate) | Protocol::Stress { rate, .. } => *rate,
             _ if interval == 0.0 => self.rate(time),
             _ => (self.passed(time + interval) - self.passed(time)) / interval,
         }
@@ -96,6 +108,9 @@ impl Protocol {
     pub fn scaled(&self, factor: f64) -> Protocol {
         match self {
             Protocol::Steady(rate) => Protocol::Steady(rate * factor),
+            Protocol::Stress { stress, since, passed, rate } => {
+                Protocol::Stress { stress: *stress, since: *since, passed: passed * factor, rate: rate * factor }
+            }
             Protocol::Oscillation { amplitude, frequency } => {
                 Protocol::Oscillation { amplitude: amplitude * factor, frequency: *frequency }
             }
@@ -106,9 +121,22 @@ impl Protocol {
     /// The largest rate of all times, in size.
     pub fn fastest(&self) -> f64 {
         match self {
-            Protocol::Steady(rate) => rate.abs(),
+            Protocol::Steady(rate) | Protocol::Stress { rate, .. } => rate.abs(),
             Protocol::Oscillation { amplitude, frequency } => (TAU * frequency * amplitude).abs(),
             Protocol::Steps { steps, factor } => factor.abs() * steps.iter().map(|step| step.rate.abs()).fold(0.0, f64::max),
+        }
+    }
+
+    /// The shear stress that decides it, if one does.
+    pub fn stress(&self) -> Option<f64> {
+        if let Protocol::Stress { stress, .. } = self { Some(*stress) } else { None }
+    }
+
+    /// One that a shear stress decides, which at a time has come to an integral and goes on at a rate; any other as it is.
+    pub fn found(&self, time: f64, passed: f64, rate: f64) -> Protocol {
+        match *self {
+            Protocol::Stress { stress, .. } => Protocol::Stress { stress, since: time, passed, rate },
+            other => other,
         }
     }
 

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    geometry::Ball,
+    geometry::{Ball, Domain},
     grid::Grid,
     interaction::{Arrangement, Forces, PairForce},
 };
@@ -31,6 +31,14 @@ pub trait FlowSolver<const D: usize> {
     /// # Errors
     /// PETSc fails.
     fn prepare(&mut self, time: f64, again: bool) -> Result<()>;
+
+    /// Turns to a box [sheared to](Domain::sheared_to) a rate that is found on the way.
+    ///
+    /// # Errors
+    /// Images would be displaced by a part of a cell, or the flow does not allow it.
+    fn shear_to(&mut self, _domain: Domain<D>) -> Result<()> {
+        Err(Error::refused("flow.drive.shear_stress: only Stokes flow on a grid finds the rate of a shear; give flow.drive.shear_rate"))
+    }
 
     /// Solves for a configuration; `monitor` is told each iteration and its relative residual. With inertia a solve is a step from the one before.
     ///

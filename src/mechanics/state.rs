@@ -72,6 +72,15 @@ pub enum Share {
     },
 }
 
+/// How a shear whose rate is found on the way has gone.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FoundShear {
+    /// The strain so far.
+    pub strain: f64,
+    /// The rate at the start of the last step; 0 before the first.
+    pub rate: f64,
+}
+
 /// The bodies at a time, or those of them that a rank owns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
@@ -81,6 +90,8 @@ pub struct State<const D: usize> {
     pub steps: usize,
     /// Length of the last step, 0 before the first.
     pub last_step: f64,
+    /// How a shear whose rate is found on the way has gone so far, if there is one.
+    pub shear: FoundShear,
     /// Which bodies these are.
     pub share: Share,
     /// The bodies.
@@ -149,7 +160,16 @@ impl<const D: usize> State<D> {
     pub fn start(bodies: impl Iterator<Item = (SVector<f64, D>, Twist<D>)>) -> State<D> {
         let moving = |(center, twist)| Moving { center, rotation: SMatrix::identity(), twist };
         let bodies = bodies.map(moving).collect();
-        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held: Vec::new(), stuck: Vec::new() }
+        State {
+            time: 0.0,
+            steps: 0,
+            last_step: 0.0,
+            shear: FoundShear::default(),
+            share: Share::Whole,
+            bodies,
+            held: Vec::new(),
+            stuck: Vec::new(),
+        }
     }
 
     /// How many bodies all ranks have.

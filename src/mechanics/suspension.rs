@@ -17,12 +17,17 @@ use crate::{
     constraint::FlowMethod,
     error::{Error, Result},
     flow::{Stokes, StokesInverse},
+    geometry::Domain,
     grid::Grid,
     mechanics::{
         Conditions,
         system::{
-            assembled_system::AssembledSystem, assembly::Assembly, fixed_operators::{FixedOperators, Turned}, krylov_workspace::KrylovWorkspace,
-            readback, schur_complement::SchurComplement,
+            assembled_system::AssembledSystem,
+            assembly::Assembly,
+            fixed_operators::{FixedOperators, Turned},
+            krylov_workspace::KrylovWorkspace,
+            readback,
+            schur_complement::SchurComplement,
         },
     },
     petsc::{Session, Stage, enter},
@@ -74,9 +79,9 @@ impl<const D: usize> Suspension<D> {
         Ok(suspension)
     }
 
-    /// Turns the box to that of a time; what was assembled across its boundary is gone.
-    fn turn_to(&mut self, time: f64) -> Result<()> {
-        let turned = self.fixed.turn_to(time, &mut self.inverse)?;
+    /// Turns to the box of another time; what was assembled across its boundary is gone.
+    fn turn_to(&mut self, domain: Domain<D>) -> Result<()> {
+        let turned = self.fixed.turn_to(domain, &mut self.inverse)?;
         if turned != Turned::Nothing {
             self.assembly = None;
         }
@@ -134,6 +139,10 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         Ok(())
     }
 
+    fn shear_to(&mut self, domain: Domain<D>) -> Result<()> {
+        self.turn_to(domain)
+    }
+
     fn resistance(&self) -> Resistance<'_, D> {
         Resistance::of_modes(&self.fixed, self.assembly.as_ref(), 1.0)
     }
@@ -154,7 +163,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
 
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let start = Instant::now();
-        self.turn_to(configuration.time)?;
+        self.turn_to(self.fixed.setup.domain.clone().at(configuration.time))?;
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.recent.last(), configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();

@@ -3,6 +3,7 @@
 mod active_set_iteration;
 mod clusters;
 mod contact_step;
+mod controlled_stress;
 mod friction_contacts;
 mod friction_rounds;
 mod given_motions;

@@ -52,6 +52,9 @@ const AGREEMENT_IN_FILMS: f64 = 1e-4;
 /// Part of the tolerance of a solve at an instant down to which the flow is solved where nothing else is left to agree on.
 const TIGHTEST: f64 = 1e-3;
 
+/// Tolerance of solves at most where the rate of a shear is found from what they miss by.
+const LOOSEST_AT_STRESS: f64 = 1e-5;
+
 /// How many times what it may move relative to its neighbours a body moves in the box in a first step, of whose error nothing is known.
 const FIRST: f64 = 3.0;
 
@@ -72,13 +75,15 @@ const FITTED_REMEDY: &str =
 pub struct QuasiStatic<const D: usize> {
     pub(super) session: Session,
     pub(super) suspension: Box<dyn FlowSolver<D>>,
-    step_control: StepControl,
+    pub(super) step_control: StepControl,
     pub(super) radii: Vec<f64>,
     /// Force that gives each body a unit velocity in unbounded fluid.
     pub(super) weights: Vec<f64>,
     /// The same for the mean force of contacts over a step.
     contact_weights: Vec<f64>,
     pub(super) stop: StopRequest,
+    /// The rate of a shear that a stress decides, as it is tried.
+    pub(super) tried_rate: Option<f64>,
 }
 
 /// Velocities on which flow and contacts agree.
@@ -134,7 +139,7 @@ impl<const D: usize> QuasiStatic<D> {
         let weights = suspension.resistance().of_bodies();
         let radii = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball.radius).collect();
         let (session, stop, contact_weights) = (session.clone(), StopRequest::default(), weights.clone());
-        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop }
+        QuasiStatic { session, suspension, step_control, radii, weights, contact_weights, stop, tried_rate: None }
     }
 
     /// Whether the fluid has inertia: a solve is then a step from the one before.
@@ -142,8 +147,17 @@ impl<const D: usize> QuasiStatic<D> {
         self.suspension.evolution().is_some()
     }
 
-    fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
+    /// The box of a state, sheared at the rate that is tried, if a stress decides it.
+    pub(super) fn domain_at(&self, state: &State<D>) -> Domain<D> {
         let domain = self.suspension.setup().domain.clone().at(state.time);
+        match self.tried_rate {
+            Some(rate) => domain.sheared_to(state.time, state.shear.strain, rate),
+            None => domain,
+        }
+    }
+
+    fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
+        let domain = self.domain_at(state);
         let (balls, friction) = (state.balls(&self.radii), self.suspension.setup().interactions.friction());
         let touching = friction.map_or_else(|| balls.clone(), |friction| friction.touching(&balls));
         Placed { state, domain, balls, touching }
@@ -228,17 +242,31 @@ impl<const D: usize> QuasiStatic<D> {
     /// Solves the flow with all forces that interactions know and with contacts that keep gaps open over the step to come, no longer than `tried`; nothing for a
     /// state in the middle of a step.
     fn agree(&mut self, state: &State<D>, tried: Option<f64>, effort: &mut Effort, monitor: ResidualMonitor) -> Result<Agreed<D>> {
-        let instant = self.instant(state, tried)?;
+        match self.suspension.setup().domain.protocol().and_then(|protocol| protocol.stress()) {
+            Some(stress) => self.agree_at_stress(stress, (state, tried), effort, monitor),
+            None => self.agree_at_rate((state, tried), false, effort, monitor),
+        }
+    }
+
+    /// The same at the rate that box and drive have; solves go on `again` from those that tried another one.
+    pub(super) fn agree_at_rate(
+        &mut self,
+        (state, tried): (&State<D>, Option<f64>),
+        again: bool,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Agreed<D>> {
+        let instant = self.instant(state, tried, again)?;
         if instant.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0) {
             return self.agree_with_friction(&instant, effort, monitor);
         }
         self.agree_without_friction(&instant, effort, monitor)
     }
 
-    /// What is known of an instant.
-    fn instant<'a>(&mut self, state: &'a State<D>, tried: Option<f64>) -> Result<KnownInstant<'a, D>> {
+    /// What is known of an instant, whose solves go on `again` from those that tried another rate.
+    fn instant<'a>(&mut self, state: &'a State<D>, tried: Option<f64>, again: bool) -> Result<KnownInstant<'a, D>> {
         // where a longer step led nowhere, solves go on from those that tried it
-        self.suspension.prepare(state.time, tried.is_none_or(f64::is_finite))?;
+        self.suspension.prepare(state.time, again || tried.is_none_or(f64::is_finite))?;
         if self.evolves() {
             let resistance = self.suspension.resistance();
             let of_impulse = resistance.of_impulse;
@@ -255,7 +283,13 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The tolerance of the solves of an instant.
     pub(super) fn tolerance_of(&self, instant: &KnownInstant<D>) -> f64 {
-        self.suspension.setup().tolerance.in_a_step(self.travelled(instant.placed.state))
+        self.solve_tolerance(instant.placed.state)
+    }
+
+    /// That of a state.
+    pub(super) fn solve_tolerance(&self, state: &State<D>) -> f64 {
+        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
+        if self.tried_rate.is_some() { tolerance.min(LOOSEST_AT_STRESS) } else { tolerance }
     }
 
     /// What ties bodies over a step of this length.
@@ -446,7 +480,7 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The longest way of the last step, in radii of the body that went it; of an automatic one no more than is asked for, however far all moved together.
-    fn travelled(&self, state: &State<D>) -> f64 {
+    pub(super) fn travelled(&self, state: &State<D>) -> f64 {
         let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         let most = if self.step_control.time.step == Step::Auto { self.step_control.time.travel } else { f64::INFINITY };
         (state.last_step / self.time_in_box(state, &last)).min(most)
@@ -518,8 +552,9 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// Lets bodies go along with images whose speed changes as far as these do in a step, for which a rule took their rates now and before the last step.
     fn follow_images(&self, state: &State<D>, length: f64, factor: f64, moves: &mut [Twist<D>]) {
-        let domain = self.suspension.setup().domain.clone().at(state.time);
-        if domain.slide().is_none_or(|slide| slide.protocol.steady()) {
+        let domain = self.domain_at(state);
+        // what a stress decides is found as motions are, and followed as these are
+        if domain.slide().is_none_or(|slide| slide.protocol.steady() || slide.protocol.stress().is_some()) {
             return;
         }
         let (now, before) = (domain.shear_rate(), domain.clone().at(state.time - state.last_step).shear_rate());
@@ -532,7 +567,7 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The last step, 0 where motions do not go on from it: in the first one, and where the rate of the shear jumps.
-    fn last_step(&self, state: &State<D>) -> f64 {
+    pub(super) fn last_step(&self, state: &State<D>) -> f64 {
         let anew = !self.evolves() && self.step_control.jumped(state.time, state.last_step);
         if anew { 0.0 } else { state.last_step }
     }
@@ -544,7 +579,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. In a flow with inertia the second step makes up
     /// for the first one, which knew the motions of the start only: from there they go along straight lines, or have jumped at once.
-    fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
+    pub(super) fn looks_back(&self, state: &State<D>, length: f64) -> f64 {
         let ratio = length / state.last_step;
         match self.evolves() && state.steps == 1 {
             true if starts_at_once(self.suspension.setup()) => 1.0 / ratio,
@@ -602,9 +637,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         let mut moves = self.rule(state, (observation, length), &mut effort, monitor)?;
         let reach = self.step_control.time.travel * self.time_of_travel(&self.placed(state), &moves);
         let step = self.step_control.shortened((state.time, self.last_step(state)), length, reach);
+        let (step, shear) = self.shear_over(state, step);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (mut placed, start) = (self.placed(state), Instant::now());
-        placed.domain = placed.domain.over(step);
+        placed.domain = placed.domain.sheared_to(state.time, state.shear.strain, shear.mean_rate).over(step);
         let (mut stuck, mut kkt_report) = (Vec::new(), None);
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {
@@ -635,6 +671,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             contacts: observation.contacts.clone(),
             stuck,
             kkt_report,
+            shear: shear.found,
             effort,
         })
     }

@@ -74,6 +74,8 @@ impl ShiftPeriod {
         };
         let end = match self {
             ShiftPeriod::Steady(_) => self.rounded("end", time.end, multiple)?,
+            // it ends when images have slid by whole cells after that
+            ShiftPeriod::Changing { protocol: Protocol::Stress { .. }, .. } => time.end,
             ShiftPeriod::Changing { protocol, cell } => last_whole(protocol, *cell, time.end),
         };
         Ok(TimeSection { step, end, ..time.clone() })

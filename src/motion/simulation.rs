@@ -20,7 +20,7 @@ use crate::{
     interaction::Interactions,
     linalg::ROUNDING,
     mechanics::{
-        ContactHistory, EvolutionOnGrid, FlowSolver, History, Moving, ResidualMonitor, Share, State, SuspendedBody,
+        ContactHistory, EvolutionOnGrid, FlowSolver, FoundShear, History, Moving, ResidualMonitor, Share, State, SuspendedBody,
         unsteady::LARGEST_COURANT,
     },
     petsc::Session,
@@ -82,7 +82,8 @@ impl<const D: usize> Simulation<D> {
         let bodies = &setup.bodies;
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = longest_step_in_flow(setup).min(longest_step_of_protocol(setup));
-        let step_control = StepControl { time, shift_period, protocol: setup.domain.protocol(), longest, by_twos: suspension.evolution().is_some() };
+        let step_control =
+            StepControl { time, shift_period, protocol: setup.domain.protocol(), longest, by_twos: suspension.evolution().is_some() };
         let at_rest = |suspended: &SuspendedBody<D>| (suspended.body.ball.center, Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
@@ -281,7 +282,10 @@ impl<const D: usize> Simulation<D> {
         loop {
             match self.stepper.evaluate(&self.state, longest, monitor) {
                 Err(error) => longest = self.half_of(error, longest)?,
-                evaluated => return evaluated,
+                evaluated => {
+                    self.follow_rate();
+                    return evaluated;
+                }
             }
         }
     }
@@ -303,9 +307,12 @@ impl<const D: usize> Simulation<D> {
                     }
                     shorter
                 }
-                Err(error @ (Error::CourantExceeded(_) | Error::StepTooLong { .. })) => {
-                    Some(self.step_control.in_place_of(start.time, report.length, MUCH).filter(|_| tries_left > 0).ok_or_else(|| final_error(error))?)
-                }
+                Err(error @ (Error::CourantExceeded(_) | Error::StepTooLong { .. })) => Some(
+                    self.step_control
+                        .in_place_of(start.time, report.length, MUCH)
+                        .filter(|_| tries_left > 0)
+                        .ok_or_else(|| final_error(error))?,
+                ),
                 Err(error) => return Err(error),
             };
             let Some(shorter) = shorter else { return Ok(StepReport { effort: wasted + report.effort, ..report }) };
@@ -335,6 +342,7 @@ impl<const D: usize> Simulation<D> {
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         self.state.stuck = travel.stuck;
+        self.state.shear = travel.shear;
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // bodies of given motion by the time: sums of steps drift away
@@ -396,7 +404,19 @@ impl<const D: usize> Simulation<D> {
 
     /// Lets images slide to where they are now.
     fn slide(&mut self) {
-        self.domain = self.domain.clone().at(self.state.time);
+        let (time, FoundShear { strain, rate }) = (self.state.time, self.state.shear);
+        self.domain = self.domain.clone().at(time).sheared_to(time, strain, rate);
+    }
+
+    /// Takes the rate of a shear that a stress decides from what has found it.
+    fn follow_rate(&mut self) {
+        let Some(found) = self.suspension().map(|flow| flow.setup().domain.clone()) else { return };
+        if found.protocol().is_some_and(|protocol| protocol.stress().is_some()) {
+            if let Some(flow) = self.suspension() {
+                self.step_control.shift_period = ShiftPeriod::of(&found, flow.grid());
+            }
+            self.domain = found;
+        }
     }
 }
 

@@ -89,13 +89,16 @@ impl StepControl {
             Step::Fixed(step) if left <= ROUNDING * self.time.end => step.min(tried),
             Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
             Step::Auto => {
-                let longest = self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(time, last_step) } else { self.time.end });
+                let longest =
+                    self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(time, last_step) } else { self.time.end });
                 let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
                 self.whole(time, peers.min(limits.fold(longest, f64::min)), last_step)
             }
         };
         let natural = self.up_to_jump(time, natural);
-        StepSize { length: if natural > left * (1.0 - ROUNDING) { left } else { natural }, natural }
+        // images that slide at a rate that is found come to whole cells when they do
+        let free_end = matches!(self.changing(), Some(Protocol::Stress { .. })) && left > ROUNDING * self.time.end;
+        StepSize { length: if natural > left * (1.0 - ROUNDING) && !free_end { left } else { natural }, natural }
     }
 
     /// A step from a time, after a last one, made shorter where it would carry bodies farther than the time `reach` does.
@@ -157,7 +160,7 @@ impl StepControl {
 
     /// Whether images slide at a speed that changes all the time: the middle of a step then slides them by a part of a cell.
     pub fn wanders(&self) -> bool {
-        matches!(self.changing(), Some(Protocol::Oscillation { .. }))
+        matches!(self.changing(), Some(Protocol::Oscillation { .. } | Protocol::Stress { .. }))
     }
 
     /// The speed of images, where it changes.
@@ -257,7 +260,10 @@ mod tests {
     #[test]
     fn a_step_in_which_too_much_passed_is_halved_until_it_passes_what_it_may() {
         let auto = control(Step::Auto, None);
-        assert_eq!([0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.0, 0.8, passed)), [None, None, Some(0.4), Some(0.4), Some(0.1)]);
+        assert_eq!(
+            [0.5, 1.3, 1.5, 2.0, 5.0].map(|passed| auto.in_place_of(0.0, 0.8, passed)),
+            [None, None, Some(0.4), Some(0.4), Some(0.1)]
+        );
         assert_eq!(control(Step::Fixed(0.8), None).in_place_of(0.0, 0.8, 5.0), None);
         let sheared = control(Step::Auto, Some(0.4));
         assert_eq!([sheared.in_place_of(0.0, 0.8, 5.0), sheared.in_place_of(0.0, 0.4, 5.0)], [Some(0.4), None]);

@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     interaction::Interactions,
-    mechanics::{Cost, FlowSolver, History, ResidualMonitor, Solution, State},
+    mechanics::{Cost, FlowSolver, FoundShear, History, ResidualMonitor, Solution, State},
 };
 
 /// What happens at one instant, of the bodies that the state of this rank holds.
@@ -75,6 +75,8 @@ pub struct StepOutcome<const D: usize> {
     pub stuck: Vec<AdhesiveContact<D>>,
     /// How well contacts were kept, if there are any to keep.
     pub kkt_report: Option<KktReport>,
+    /// How a shear whose rate a stress decides has gone at its end.
+    pub shear: FoundShear,
     /// What it took.
     pub effort: Effort,
 }

@@ -33,7 +33,8 @@ pub fn picture<const D: usize>(
     let (quantity, coloured) = coloured(scene, suspension, solution, &plane, &total)?;
     let groups = groups(setup, colour);
     let (lines, largest) = force_lines(&cut_lines(&plane, contacts), |vector| plane.within(vector));
-    let strain = Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.strain(&setup.domain, time)));
+    let strain =
+        Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.strain(&setup.domain, time)));
     let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.4}"));
     let parts = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
     Ok(Picture {

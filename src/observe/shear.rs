@@ -2,10 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::{
-    flow::Drive,
-    geometry::Domain,
-};
+use crate::{flow::Drive, geometry::Domain};
 
 /// A simple shear: velocity along `flow` grows along axis `gradient`; no other axis has walls. Reversed, it flows the other way.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,13 +20,12 @@ use super::{
     shear::Shear,
 };
 use crate::{
-    body::Motion,
     contact::ContactForce,
     error::Result,
-    geometry::{Ball},
+    geometry::Ball,
     grid::Grid,
     interaction::PairForce,
-    mechanics::{BodyState, Setup, Solution, SuspendedBody},
+    mechanics::{Setup, Solution, load_stress},
     scene::ConstraintMethod,
 };
 
@@ -77,8 +76,10 @@ impl<const D: usize> Stress<D> {
             |pressed: &ContactForce<D>| PairForce { contact: pressed.contact, force: pressed.tangential, torques: [SMatrix::zeros(); 2] };
         let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|pressed| along(pressed).stress()).sum();
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
-        let at_a_distance =
-            [solution.pair_stress, load_stress(setup, solution, shear)].into_iter().flatten().reduce(|sum, part| sum + part);
+        let at_a_distance = [solution.pair_stress, load_stress(setup, solution, (shear.flow, shear.gradient))]
+            .into_iter()
+            .flatten()
+            .reduce(|sum, part| sum + part);
         let resolved = stresslets - films.unwrap_or_else(SMatrix::zeros);
         let pressure = pressure_on_bodies(setup, grid, solution)?;
         let touch = setup.interactions.touch().is_some() || !contacts.is_empty();
@@ -124,20 +125,6 @@ fn normal_stresses<const D: usize>(stress: &SMatrix<f64, D, D>, shear: &Shear<D>
         second: (D == 3).then(|| gradient - (stress.trace() - flow - gradient)),
         pressure: with_trace.then(|| -stress.trace() / D as f64),
     }
-}
-
-/// What given torques and, between walls, given forces along them add to the stress, times volume; nothing without any.
-fn load_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, shear: &Shear<D>) -> Option<SMatrix<f64, D, D>> {
-    let walled = setup.domain.axes[shear.gradient].walled();
-    let along = shear.flow * shear.across().transpose();
-    let load = |(suspended, state): (&SuspendedBody<D>, &BodyState<D>)| {
-        let Motion::Free { force, torque } = suspended.body.motion else { return None };
-        let pull = if walled { force.dot(&shear.flow) } else { 0.0 };
-        let height = state.center[shear.gradient] - 0.5 * setup.domain.size[shear.gradient];
-        // a torque is turned as a spin is: its entry from x to y is the one of y and x
-        (pull != 0.0 || torque.norm() != 0.0).then(|| torque * -0.5 - along * (pull * height))
-    };
-    setup.bodies.iter().zip(&solution.bodies).filter_map(load).reduce(|sum, part| sum + part)
 }
 
 /// The particle pressure of the flow over viscosity, `fraction (mean inside - mean over the fluid)`; nothing where the solver has no pressure inside.

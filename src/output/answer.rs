@@ -45,7 +45,11 @@ fn of_oscillation(oscillation: &OscillationSummary) -> Vec<Answer> {
         format!("{}{interval} over {cycles}", number(*value, 5))
     };
     let third = oscillation.harmonics.get(2).map_or(String::new(), |third| format!(", third harmonic {:.2} %", 100.0 * third));
-    let complex = format!("{} times the fluid's, ahead of the strain by {:.2} degrees{third}", number(oscillation.complex_viscosity, 5), oscillation.phase);
+    let complex = format!(
+        "{} times the fluid's, ahead of the strain by {:.2} degrees{third}",
+        number(oscillation.complex_viscosity, 5),
+        oscillation.phase
+    );
     vec![
         Answer::new("storage modulus", modulus(&oscillation.storage_modulus)),
         Answer::new("loss modulus", modulus(&oscillation.loss_modulus)),

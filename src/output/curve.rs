@@ -50,10 +50,10 @@ pub struct MeanViscosity {
 }
 
 impl CurvePoint {
-    /// Of a viscosity at a time.
-    pub fn of(viscosity: &Viscosity, time: f64) -> CurvePoint {
+    /// Of a viscosity at a strain.
+    pub fn of(viscosity: &Viscosity, strain: f64) -> CurvePoint {
         CurvePoint {
-            strain: viscosity.rate * time,
+            strain,
             parts: viscosity.parts,
             first_normal_difference: viscosity.normal.first,
             second_normal_difference: viscosity.normal.second,

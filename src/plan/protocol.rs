@@ -29,7 +29,7 @@ pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64) -> 
 fn check(scene: &Scene, protocol: Protocol, (cell, unit): (f64, f64), scheme: Scheme) -> Result<()> {
     let key = "flow.drive.shear_rate";
     match protocol {
-        Protocol::Steady(_) => {}
+        Protocol::Steady(_) | Protocol::Stress { .. } => {}
         Protocol::Oscillation { amplitude, .. } => {
             let refuse = |remedy: String| Err(scene.refuse(&format!("{key}.amplitude"), amplitude / scene.domain.size[1], &remedy));
             if scheme == Scheme::Midpoint {
@@ -77,7 +77,8 @@ mod tests {
     #[test]
     fn rates_jump_where_images_have_slid_by_whole_cells() {
         let slid = |time: &str| {
-            let slide = domain("[{ until = 0.17, rate = 1.0 }, { until = 0.3, rate = 0.0 }, { rate = -1.0 }]", time).unwrap().slide().unwrap();
+            let slide =
+                domain("[{ until = 0.17, rate = 1.0 }, { until = 0.3, rate = 0.0 }, { rate = -1.0 }]", time).unwrap().slide().unwrap();
             let jump = slide.protocol.next_jump(0.0);
             [jump, slide.protocol.next_jump(jump) - jump, slide.protocol.passed(jump) / 0.25].map(|number| (number * 1e9).round() / 1e9)
         };

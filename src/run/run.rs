@@ -247,7 +247,9 @@ impl<'a, const D: usize> Run<'a, D> {
         self.timed(|run| {
             if let Machinery::InTime { simulation, .. } = &run.machinery {
                 let of_all_times = run.viscosity.filter(|_| run.scene.changing_shear().is_none());
-                let point = of_all_times.map(|viscosity| CurvePoint::of(&viscosity, simulation.state().time));
+                let (domain, time) = (simulation.domain(), simulation.state().time);
+                let strain = |rate: f64| domain.protocol().map_or(rate * time, |protocol| protocol.passed(time));
+                let point = of_all_times.map(|viscosity| CurvePoint::of(&viscosity, strain(viscosity.rate)));
                 run.history.add(run.world, point, ABOUT);
             }
             run.row = run.measured()?;

@@ -149,15 +149,17 @@ fn of_flow(flow: &FlowSection) -> Keys {
         Drive::MeanVelocity(velocity) => vec![list("flow.drive.mean_velocity", velocity)],
         Drive::PressureGradient(gradient) => vec![list("flow.drive.pressure_gradient", gradient)],
         Drive::BodyForce(force) => vec![list("flow.drive.body_force", force)],
-        Drive::ShearRate(protocol) | Drive::ShearedBox(protocol) => of_protocol("flow.drive.shear_rate", protocol),
+        Drive::ShearRate(protocol) | Drive::ShearedBox(protocol) => of_protocol(protocol),
         Drive::MeanGradient(gradient) => vec![list("flow.drive.mean_gradient", gradient)],
     }));
     keys
 }
 
-fn of_protocol(key: &str, protocol: &Protocol) -> Keys {
+fn of_protocol(protocol: &Protocol) -> Keys {
+    let key = "flow.drive.shear_rate";
     match protocol {
         Protocol::Steady(rate) => vec![number(key, *rate)],
+        Protocol::Stress { stress, .. } => vec![number("flow.drive.shear_stress", *stress)],
         Protocol::Oscillation { amplitude, frequency } => {
             vec![number(&format!("{key}.amplitude"), *amplitude), number(&format!("{key}.frequency"), *frequency)]
         }

@@ -1,12 +1,15 @@
 //! Which shears a box can have, and how their rates may change.
 
 use super::{
-    AxisSection, ConstraintMethod, Drive, FlowModel, Scene,
+    AxisSection, ConstraintMethod, Drive, FlowModel, Motion, Scene, Scheme,
     demand::{expect, name, walled},
 };
 use crate::{error::Result, geometry::Protocol};
 
-const KEY: &str = "flow.drive.shear_rate";
+/// The key that a shear is given by.
+fn key(protocol: &Protocol) -> &'static str {
+    if protocol.stress().is_some() { "flow.drive.shear_stress" } else { "flow.drive.shear_rate" }
+}
 
 /// Refuses a shear of images that stay, or of walls, that cannot be.
 pub(super) fn check_shear(scene: &Scene, protocol: &Protocol) -> Result<()> {
@@ -15,7 +18,7 @@ pub(super) fn check_shear(scene: &Scene, protocol: &Protocol) -> Result<()> {
         return check_walls(scene, protocol);
     }
     let remedy = "drives no run in time where images stay; add periodic = \"sheared\", which lets them go along, remove [time] or shear between walls";
-    expect(scene, scene.time.is_none(), KEY, shown(protocol), remedy)
+    expect(scene, scene.time.is_none(), key(protocol), shown(protocol), remedy)
 }
 
 /// Refuses a shear of images that go along that cannot be.
@@ -23,15 +26,15 @@ pub(super) fn check_sheared_box(scene: &Scene, protocol: &Protocol) -> Result<()
     check_protocol(scene, protocol)?;
     if let Some(axis) = walled(scene).next() {
         let remedy = format!("needs a fully periodic box, but domain.{} has walls; remove them, or flow.drive.periodic", name(axis));
-        return Err(scene.refuse(KEY, shown(protocol), &remedy));
+        return Err(scene.refuse(key(protocol), shown(protocol), &remedy));
     }
     let remedy = "makes no mesh of a box whose images slide; set method.constraint = \"sharp\" or remove flow.drive.periodic";
     expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
     let remedy = "must not be 0: nothing would ever slide; remove flow.drive.periodic";
-    expect(scene, scene.time.is_none() || protocol.fastest() != 0.0, KEY, shown(protocol), remedy)?;
+    expect(scene, scene.time.is_none() || protocol.fastest() != 0.0, key(protocol), shown(protocol), remedy)?;
     let inertia = scene.flow.model == FlowModel::NavierStokes && !protocol.steady();
     let remedy = "changes with time, and nothing in a fully periodic box would accelerate a fluid with inertia so; shear it between walls (domain.y = \"walls\")";
-    expect(scene, !inertia, KEY, shown(protocol), remedy)
+    expect(scene, !inertia, key(protocol), shown(protocol), remedy)
 }
 
 /// A rate that changes is one of a run in time.
@@ -39,9 +42,21 @@ fn check_protocol(scene: &Scene, protocol: &Protocol) -> Result<()> {
     if protocol.steady() {
         return Ok(());
     }
-    expect(scene, scene.time.is_some(), KEY, shown(protocol), "changes with time; add [time] end = .., or give one rate")?;
+    expect(scene, scene.time.is_some(), key(protocol), shown(protocol), "changes with time; add [time] end = .., or give one rate")?;
     let remedy = "solves for walls of one velocity; set method.constraint = \"sharp\" or give flow.drive.shear_rate one rate";
-    expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)
+    expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
+    if protocol.stress().is_some() { check_stress(scene, protocol) } else { Ok(()) }
+}
+
+/// A stress decides the rate of free bodies in Stokes flow.
+fn check_stress(scene: &Scene, protocol: &Protocol) -> Result<()> {
+    let refused = |right: bool, remedy: &str| expect(scene, right, key(protocol), shown(protocol), remedy);
+    refused(protocol.stress() != Some(0.0), "must not be 0: nothing would flow; remove it")?;
+    refused(scene.flow.model == FlowModel::Stokes, "decides the rate in Stokes flow only; give flow.drive.shear_rate")?;
+    let free = scene.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
+    refused(free, "is that of free bodies; remove bodies.motion or give flow.drive.shear_rate")?;
+    let middle = scene.time.as_ref().is_some_and(|time| time.scheme == Scheme::Midpoint);
+    refused(!middle, "is not known at middles of steps; remove time.scheme")
 }
 
 /// Walls across y alone that have no velocity of their own can shear what is between them.
@@ -49,27 +64,36 @@ fn check_walls(scene: &Scene, protocol: &Protocol) -> Result<()> {
     let other = walled(scene).find(|&axis| axis != 1 || matches!(scene.domain.axes[axis], AxisSection::Open { .. }));
     if let Some(axis) = other {
         let remedy = format!("is that of a fully periodic box, or of walls across y alone; set domain.{} = \"periodic\"", name(axis));
-        return Err(scene.refuse(KEY, shown(protocol), &remedy));
+        return Err(scene.refuse(key(protocol), shown(protocol), &remedy));
     }
     let AxisSection::Walls { lower, upper } = &scene.domain.axes[1] else { return Ok(()) };
     let still = [lower, upper].iter().all(|wall| wall.iter().all(|component| *component == 0.0));
-    expect(scene, still, KEY, shown(protocol), "moves the walls across y; set domain.y = \"walls\", which gives them no other velocity")
+    expect(
+        scene,
+        still,
+        key(protocol),
+        shown(protocol),
+        "moves the walls across y; set domain.y = \"walls\", which gives them no other velocity",
+    )
 }
 
 /// A rate as a scene file has it, or how it changes.
 fn shown(protocol: &Protocol) -> String {
     match protocol {
         Protocol::Steady(rate) => rate.to_string(),
+        Protocol::Stress { stress, .. } => stress.to_string(),
         Protocol::Oscillation { amplitude, frequency } => format!("{{ amplitude = {amplitude}, frequency = {frequency} }}"),
         Protocol::Steps { steps, .. } => format!("[{} steps]", steps.len()),
     }
 }
 
 impl Scene {
-    /// How the rate of the shear that drives it changes with time, if it does.
+    /// How the rate of the shear that drives it changes with time, if the scene says so.
     pub fn changing_shear(&self) -> Option<&Protocol> {
         match &self.flow.drive {
-            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => Some(protocol).filter(|protocol| !protocol.steady()),
+            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => {
+                Some(protocol).filter(|protocol| !protocol.steady() && protocol.stress().is_none())
+            }
             _ => None,
         }
     }

@@ -227,8 +227,7 @@ fn frames_give_back_their_bodies(session: &Session) {
     }
     boxes_2d().for_each(|domain| proof(session, &domain));
     boxes_3d().for_each(|domain| proof(session, &domain));
-    let sliding =
-        |time| Domain { axes: [Axis::Periodic, Axis::Sheared(LeesEdwards::steady(0.3, -2.0, time))], ..domain(BOXES_2D[0]) };
+    let sliding = |time| Domain { axes: [Axis::Periodic, Axis::Sheared(LeesEdwards::steady(0.3, -2.0, time))], ..domain(BOXES_2D[0]) };
     [0.0, 0.4, 1.7].into_iter().for_each(|time| proof(session, &sliding(time)));
     let folder = folder(session);
     let mut frames = Frames::create(session.world(), &folder).unwrap();

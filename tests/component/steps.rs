@@ -68,7 +68,16 @@ impl Stepper<2> for Hurdles {
             self.refuse(state.time, step)?;
         }
         let (moves, effort) = (observation.twists.clone(), Effort::default());
-        Ok(StepOutcome { step, twists: moves.clone(), moves, contacts: Vec::new(), stuck: Vec::new(), kkt_report: None, effort })
+        Ok(StepOutcome {
+            step,
+            twists: moves.clone(),
+            moves,
+            contacts: Vec::new(),
+            stuck: Vec::new(),
+            kkt_report: None,
+            shear: state.shear,
+            effort,
+        })
     }
 
     fn view(&self) -> StepperView<'_, 2> {

@@ -13,6 +13,7 @@ use crate::{
     contact::Contact,
     error::{Error, Result},
     flow::{Drive, Stokes, StokesInverse},
+    geometry::Domain,
     grid::Grid,
     mechanics::{BodyState, Cost, Setup, Solution, SuspendedBody, WallForces},
     petsc::{Session, Vector},
@@ -121,13 +122,13 @@ impl<const D: usize> FixedOperators<D> {
         Ok(inverse)
     }
 
-    /// Turns the box to that of a time: images slide, for which the inverse of the fluid is set up anew, and walls change their velocity, for which the flow
+    /// Turns to the box of another time: images slide, for which the inverse of the fluid is set up anew, and walls change their velocity, for which the flow
     /// without bodies is found anew. Says what has changed.
     ///
     /// # Errors
     /// Images would be displaced by a part of a cell, or the inverse cannot be set up.
-    pub fn turn_to(&mut self, time: f64, inverse: &mut Box<dyn StokesInverse<D>>) -> Result<Turned> {
-        let turned = self.turn_grid(time)?;
+    pub fn turn_to(&mut self, domain: Domain<D>, inverse: &mut Box<dyn StokesInverse<D>>) -> Result<Turned> {
+        let turned = self.turn_grid(domain)?;
         if turned == Turned::Images {
             self.stokes = Stokes::new(&self.session, &self.grid);
             *inverse = self.setup.inverse_of(&self.stokes, &self.grid)?;
@@ -139,12 +140,11 @@ impl<const D: usize> FixedOperators<D> {
         Ok(turned)
     }
 
-    /// Turns the box and the grid alone to those of a time.
+    /// Turns the box and the grid alone to those of another time.
     ///
     /// # Errors
     /// Images would be displaced by a part of a cell.
-    pub fn turn_grid(&mut self, time: f64) -> Result<Turned> {
-        let domain = self.setup.domain.clone().at(time);
+    pub fn turn_grid(&mut self, domain: Domain<D>) -> Result<Turned> {
         if domain == self.setup.domain {
             return Ok(Turned::Nothing);
         }

@@ -313,7 +313,7 @@ impl<const D: usize> UnsteadySuspension<D> {
 
     /// The rates of change of motions at a time, and turns operators to the step that leads there.
     fn begin(&mut self, time: f64) -> Result<StepWeights> {
-        let turned = self.fixed.turn_grid(time)?;
+        let turned = self.fixed.turn_grid(self.fixed.setup.domain.clone().at(time))?;
         if turned != Turned::Nothing {
             self.assembly = None;
         }

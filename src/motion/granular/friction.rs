@@ -30,7 +30,7 @@ impl<const D: usize> Granular<D> {
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
         let (twists, stuck, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, shear: state.shear, effort })
     }
 
     /// Velocities and spins that keep contacts with friction, next to those wanted. Collective.

@@ -464,6 +464,6 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
         }
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, shear: state.shear, effort })
     }
 }

@@ -16,7 +16,10 @@ use crate::{
     fitted::Rigid,
     grid::Grid,
     interaction::Wrench,
-    mechanics::{ContactHistory, ExtrapolationHistory, FlowSolver, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot, State},
+    mechanics::{
+        ContactHistory, ExtrapolationHistory, FlowSolver, FoundShear, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot,
+        State,
+    },
     motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     parallel::World,
@@ -82,7 +85,11 @@ impl<const D: usize> Output<D> for CheckpointFile {
 /// [`Error::Refused`] when the checkpoint cannot be used.
 pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
     let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
-    let state = read_state(world, checkpoint, simulation.state().count())?;
+    let mut state = read_state(world, checkpoint, simulation.state().count())?;
+    if simulation.domain().protocol().is_some_and(|protocol| protocol.stress().is_some()) {
+        let [strain, rate] = checkpoint.shared("shear")?[..] else { return Err(misfit("shear")) };
+        state.shear = FoundShear { strain, rate };
+    }
     let read = |suspension| read_history(checkpoint, simulation.session(), suspension, state.steps);
     let history = simulation.suspension().map(read).transpose()?;
     simulation.restore(state, history.unwrap_or_default())?;
@@ -224,6 +231,9 @@ fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, sim
         store_tangential(writer, state.count(), &tangential)?;
     }
     writer.shared("time", &numbers)?;
+    if state.shear != FoundShear::default() {
+        writer.shared("shear", &[state.shear.strain, state.shear.rate])?;
+    }
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
     store_contacts(writer, state.count(), "contacts", held.iter().map(|held| (held.identity(), held.force)).collect())
@@ -294,6 +304,7 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         time,
         steps: steps as usize,
         last_step,
+        shear: FoundShear::default(),
         share: Share::Whole,
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
         held: read_contacts(checkpoint, "contacts")?.into_iter().map(held).collect(),

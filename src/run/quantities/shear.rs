@@ -41,12 +41,18 @@ pub fn stress<const D: usize>() -> Vec<Quantity<D>> {
             let stress: SMatrix<f64, D, D> = found.stress.total().fixed_view::<D, D>(0, 0).into_owned();
             Some(stress)
         }),
-        Quantity::new("shear_rate", "1/time", "in simple shear: the shear rate that box and drive impose, negative where one that changes is reversed", |view| {
-            Some(view.shear()?.rate_along(&view.flow?.solver.setup().domain))
-        }),
-        Quantity::new("shear_stress", "pressure", "mean shear stress of the suspension, negative where a rate that changes has reversed it", |view| {
-            Some(view.viscosity.as_ref()?.shear_stress)
-        }),
+        Quantity::new(
+            "shear_rate",
+            "1/time",
+            "in simple shear: the shear rate that box and drive impose, negative where one that changes is reversed",
+            |view| Some(view.shear()?.rate_along(&view.flow?.solver.setup().domain)),
+        ),
+        Quantity::new(
+            "shear_stress",
+            "pressure",
+            "mean shear stress of the suspension, negative where a rate that changes has reversed it",
+            |view| Some(view.viscosity.as_ref()?.shear_stress),
+        ),
         Quantity::new("wall_stress", "pressure", "shear stress on the walls, mean of both; what a rheometer measures", |view| {
             view.viscosity.as_ref()?.wall_stress
         }),

@@ -8,7 +8,8 @@ use crate::scene::sections::protocol::read as read_protocol;
 use crate::scene::table::Table;
 
 /// Keys of `flow.drive`, which exclude each other.
-pub(in crate::scene) const DRIVES: [&str; 5] = ["mean_velocity", "pressure_gradient", "body_force", "shear_rate", "mean_gradient"];
+pub(in crate::scene) const DRIVES: [&str; 6] =
+    ["mean_velocity", "pressure_gradient", "body_force", "shear_rate", "shear_stress", "mean_gradient"];
 
 /// Keys of `[flow]`.
 pub(in crate::scene) const KEYS: [Key; 5] = [
@@ -38,7 +39,7 @@ pub(in crate::scene) const KEYS: [Key; 5] = [
 const SCALAR: &str = "domain.x = \"walls\"; flow.model = \"scalar\"";
 
 /// Keys of `flow.drive`.
-pub(in crate::scene) const DRIVE_KEYS: [Key; 6] = [
+pub(in crate::scene) const DRIVE_KEYS: [Key; 7] = [
     Key::new("mean_velocity", "list of numbers", "[1.0, 0.0]", "Mean velocity over the whole box, bodies included.")
         .unit("length/time")
         .range("0 along walled axes"),
@@ -55,6 +56,16 @@ pub(in crate::scene) const DRIVE_KEYS: [Key; 6] = [
     )
     .unit("1/time")
     .needs("domain.y = \"periodic\""),
+    Key::new(
+        "shear_stress",
+        "number",
+        "5.0",
+        "Mean shear stress of the suspension, contacts included, which decides the rate in every step: of a box whose images slide, or of walls across y that \
+        move oppositely along x.",
+    )
+    .unit("pressure")
+    .range("not 0")
+    .needs("domain.y = \"walls\"; time.end = 1.0"),
     Key::new("mean_gradient", "list of numbers", "[1.0, 0.0]", "Mean gradient of a scalar in a box that is periodic along all axes.")
         .unit("1/length")
         .range("not zero")
@@ -130,17 +141,23 @@ impl FlowSection {
         for name in ["viscosity", "density", "drive", "source"] {
             model.allow(table.get(name))?;
         }
-        let drive = table.get("drive").map(|entry| Drive::read(&entry, dimension)).transpose()?;
+        let viscosity = table.get("viscosity").map_or(Ok(default.viscosity), |entry| entry.positive())?;
+        let drive = table.get("drive").map(|entry| Drive::read(&entry, dimension, viscosity)).transpose()?;
         // a fully periodic box has no wall through which a source could leave
         let source = if matches!(drive, Some(Drive::MeanGradient(_))) { 0.0 } else { default.source };
         Ok(FlowSection {
             model,
-            viscosity: table.get("viscosity").map_or(Ok(default.viscosity), |entry| entry.positive())?,
+            viscosity,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             drive,
             source: table.get("source").map_or(Ok(source), |entry| read_source(&entry, model))?,
         })
     }
+}
+
+/// A shear whose rate a stress decides, at first as in the fluid alone.
+fn decided_by_stress(stress: f64, viscosity: f64) -> Protocol {
+    Protocol::Stress { stress, since: 0.0, passed: 0.0, rate: stress / viscosity }
 }
 
 fn read_source(entry: &Entry, model: FlowModel) -> Result<f64> {
@@ -173,11 +190,11 @@ impl FlowModel {
 }
 
 impl Drive {
-    fn read(entry: &Entry, dimension: usize) -> Result<Self> {
+    fn read(entry: &Entry, dimension: usize, viscosity: f64) -> Result<Self> {
         let table = Table::of(entry, &DRIVE_KEYS)?;
         let (name, entry) = table.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
         let sheared = table.get("periodic").map_or(Ok(false), |entry| {
-            entry.expect((), name == "shear_rate", "belongs to shear_rate; remove it")?;
+            entry.expect((), name.starts_with("shear"), "belongs to shear_rate and shear_stress; remove it")?;
             entry.choice(&[("fixed", false), ("sheared", true)], &[])
         })?;
         Ok(match name {
@@ -185,8 +202,10 @@ impl Drive {
             "pressure_gradient" => Drive::PressureGradient(entry.vector(dimension)?),
             "body_force" => Drive::BodyForce(entry.vector(dimension)?),
             "mean_gradient" => Drive::MeanGradient(entry.vector(dimension)?),
-            _ if sheared => Drive::ShearedBox(read_protocol(&entry)?),
-            _ => Drive::ShearRate(read_protocol(&entry)?),
+            word => {
+                let protocol = if word == "shear_stress" { decided_by_stress(entry.number()?, viscosity) } else { read_protocol(&entry)? };
+                if sheared { Drive::ShearedBox(protocol) } else { Drive::ShearRate(protocol) }
+            }
         })
     }
 }

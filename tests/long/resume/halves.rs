@@ -71,6 +71,24 @@ fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
 }
 
 #[test]
+fn a_shear_whose_rate_changes_in_two_halves_is_the_run_in_one() {
+    let transform = "method.inverse=transform";
+    let sliding: [&[&str]; 3] = [
+        &[transform, "flow.drive={ shear_rate = [{ until = 0.25, rate = 1.0 }, { rate = -1.0 }], periodic = \"sheared\" }"],
+        &[transform, "flow.drive={ shear_rate = { amplitude = 0.25, frequency = 1.0 }, periodic = \"sheared\" }"],
+        &[transform, "flow.drive={ shear_stress = 4.0, periodic = \"sheared\" }", "contact.friction=0.5", "lubrication.model=pairwise"],
+    ];
+    halves_agree("changing-sliding", SLIDING, &sliding[..2], &[1]);
+    halves_agree("stress-sliding", SLIDING, &sliding[2..], &[1]);
+    let walls: [&[&str]; 3] = [
+        &[transform, "domain.y=\"walls\"", "flow.drive.shear_rate=[{ until = 0.1, rate = 1.0 }, { rate = -1.0 }]"],
+        &["domain.y=\"walls\"", "flow.drive.shear_rate={ amplitude = 0.25, frequency = 2.0 }"],
+        &[transform, "domain.y=\"walls\"", "flow.drive.shear_stress=4.0", "time.step=0.04"],
+    ];
+    halves_agree("changing-walls", SHEARED, &walls, &[2]);
+}
+
+#[test]
 fn a_flow_with_inertia_in_two_halves_is_the_run_in_one() {
     let fitted = ["method.constraint=fitted", "contact.model=none", "gravity=[0.0,-2.0]"];
     let films: &[&str] = &["method.inverse=transform", "lubrication.model=pairwise"];

@@ -1,0 +1,137 @@
+//! A shear whose rate a stress decides: the rate is found with the flow and the contacts of each instant, by secants of the stress over the rate, which
+//! is a line as long as the same contacts press.
+
+use super::{
+    quasi_static::{Agreed, QuasiStatic},
+    shift_period::ShiftPeriod,
+    stepper::Effort,
+};
+use crate::{
+    error::{Error, Result},
+    mechanics::{FoundShear, ResidualMonitor, State, shear_stress},
+    scene::Scheme,
+};
+
+/// Rates that are tried at an instant.
+const MOST_TRIALS: usize = 20;
+
+/// Part of the stress that may be missed, in tolerances of the solves of the step.
+const MISSED: f64 = 3.0;
+
+/// Part of the rate of a fluid without bodies below which nothing flows.
+const STOPPED: f64 = 1e-9;
+
+/// The shear over a step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ShearOfStep {
+    /// Its mean rate.
+    pub mean_rate: f64,
+    /// What is known of it at the end.
+    pub found: FoundShear,
+}
+
+/// A rate that was tried, and the stress that goes with it.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    rate: f64,
+    stress: f64,
+}
+
+impl Trial {
+    /// The rate to try next: on the line through the last trial and the one before it, or through nothing at rest.
+    fn next(self, before: Option<Trial>, wanted: f64) -> f64 {
+        let proportional = self.rate * (wanted / self.stress).clamp(0.1, 10.0);
+        let proportional = if self.stress > 0.0 { proportional } else { 2.0 * self.rate };
+        let Some(before) = before else { return proportional };
+        let slope = (self.stress - before.stress) / (self.rate - before.rate);
+        let secant = self.rate + (wanted - self.stress) / slope;
+        if slope.is_finite() && slope > 0.0 && secant > 0.1 * self.rate && secant < 10.0 * self.rate { secant } else { proportional }
+    }
+}
+
+impl<const D: usize> QuasiStatic<D> {
+    /// Velocities, contacts and the rate on which flow, contacts and the stress agree.
+    pub(super) fn agree_at_stress(
+        &mut self,
+        stress: f64,
+        (state, tried): (&State<D>, Option<f64>),
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Agreed<D>> {
+        let (size, unit) = (stress.abs(), stress / self.suspension.setup().viscosity);
+        // a stress the other way shears the other way
+        let (mut rate, mut before) = (if state.shear.rate == 0.0 { unit.abs() } else { state.shear.rate.abs() }, None::<Trial>);
+        let tolerance = MISSED * self.solve_tolerance(state);
+        for trial in 0..MOST_TRIALS {
+            self.turn_to_rate(state, rate * unit.signum())?;
+            let agreed = self.agree_at_rate((state, tried), trial > 0, effort, monitor)?;
+            let found = shear_stress(self.suspension.setup(), &agreed.solution, &agreed.contacts) * unit.signum();
+            if (found - size).abs() <= tolerance * size {
+                return Ok(agreed);
+            }
+            let now = Trial { rate, stress: found };
+            rate = now.next(before, size);
+            before = Some(now);
+            if rate < STOPPED * unit.abs() {
+                let text =
+                    format!("at time {} nothing flows at flow.drive.shear_stress = {stress}: bodies are jammed; raise it", state.time);
+                return Err(Error::Diverged(text));
+            }
+        }
+        let step = self.step_control.time.end;
+        Err(Error::StepTooLong { text: format!("at time {} no rate goes with flow.drive.shear_stress = {stress}", state.time), step })
+    }
+
+    /// Turns box, drive and steps to a rate.
+    fn turn_to_rate(&mut self, state: &State<D>, rate: f64) -> Result<()> {
+        self.tried_rate = Some(rate);
+        let domain = self.domain_at(state);
+        self.step_control.shift_period = ShiftPeriod::of(&domain, self.suspension.grid());
+        self.suspension.shear_to(domain)
+    }
+
+    /// The time that a step takes in which the shear is followed as motions are, and the shear over it. Where images slide it is the strain that stays as it was
+    /// chosen, as they slide by whole cells.
+    pub(super) fn shear_over(&self, state: &State<D>, step: f64) -> (f64, ShearOfStep) {
+        let Some(rate) = self.tried_rate else { return (step, ShearOfStep::default()) };
+        let follows = self.step_control.time.scheme != Scheme::Euler && self.last_step(state) > 0.0;
+        let factor = if follows { self.looks_back(state, step) } else { 0.0 };
+        let mean_rate = rate + factor * (rate - state.shear.rate);
+        // a rate that changes by its own size in a step is not followed
+        let mean_rate = if mean_rate * rate > 0.0 { mean_rate } else { rate };
+        let slides = self.suspension.setup().domain.slide().is_some();
+        let step = if slides { step * rate / mean_rate } else { step };
+        (step, ShearOfStep { mean_rate, found: FoundShear { strain: state.shear.strain + mean_rate * step, rate } })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rates that are tried until a stress is met within a part of a thousandth.
+    fn tried(stress_of: impl Fn(f64) -> f64, wanted: f64) -> Vec<f64> {
+        let (mut rates, mut before) = (vec![1.0], None);
+        loop {
+            let rate = *rates.last().unwrap();
+            let now = Trial { rate, stress: stress_of(rate) };
+            if (now.stress - wanted).abs() < 1e-3 * wanted || rates.len() > 30 {
+                return rates;
+            }
+            rates.push(now.next(before, wanted));
+            before = Some(now);
+        }
+    }
+
+    #[test]
+    fn a_stress_on_a_line_is_met_at_the_third_rate_at_most() {
+        assert_eq!(tried(|rate| 3.0 * rate, 6.0), [1.0, 2.0]);
+        assert_eq!(tried(|rate| 1.0 + 3.0 * rate, 7.0).len(), 3);
+    }
+
+    #[test]
+    fn stresses_with_kinks_and_pulls_are_met() {
+        assert!(tried(|rate| if rate < 2.0 { 3.0 * rate } else { 6.0 + 30.0 * (rate - 2.0) }, 9.0).len() < 9);
+        assert!(tried(|rate| -5.0 + rate, 6.0).len() < 9);
+    }
+}
