@@ -2,11 +2,12 @@
 
 use std::fmt::Display;
 
+use crate::contact::FrictionLaw;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::scene::{
-    AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
-    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
+    AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, Drive, FlowModel, Joint, LubricationModel,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -164,7 +165,7 @@ fn check_contact(scene: &Scene) -> Result<()> {
 
 /// Refuses friction where contacts have none yet, and roughness where it means nothing.
 fn check_friction(scene: &Scene) -> Result<()> {
-    let friction = scene.contact.friction;
+    let friction = scene.contact.friction.coefficient;
     let tied = scene.bodies.iter().any(BodyGroup::together);
     if let Some(roughness) = scene.contact.roughness {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
@@ -177,20 +178,45 @@ fn check_friction(scene: &Scene) -> Result<()> {
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
+    check_turning(scene)?;
     expect(!tied || !scene.dry(), "acts on single balls in dry runs so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
 }
 
 /// Refuses surfaces that differ where friction knows one coefficient, or none.
 fn check_surfaces(scene: &Scene) -> Result<()> {
-    let of_groups =
-        (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)));
-    for (key, friction) in of_groups.chain(scene.contact.wall_friction.map(|friction| ("contact.wall_friction".into(), friction))) {
+    let of_groups = frictions_of_groups(scene);
+    for (key, law) in of_groups.chain(scene.contact.wall_friction.map(|law| ("contact.wall_friction".into(), law))) {
         expect(
             scene,
-            scene.contact.friction > 0.0,
+            scene.contact.friction.coefficient > 0.0,
             &key,
-            friction,
+            law.coefficient,
             "needs contact.friction, the coefficient of all other surfaces; set that or remove it",
+        )?;
+    }
+    Ok(())
+}
+
+fn frictions_of_groups(scene: &Scene) -> impl Iterator<Item = (String, FrictionLaw)> {
+    (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)))
+}
+
+/// Refuses friction against rolling and twisting where nothing resists these.
+fn check_turning(scene: &Scene) -> Result<()> {
+    let ContactSection { friction, wall_friction, .. } = scene.contact;
+    let of_walls = wall_friction.map(|law| ("contact.wall_friction".to_owned(), law));
+    for (key, law) in std::iter::once(("contact.friction".to_owned(), friction)).chain(of_walls).chain(frictions_of_groups(scene)) {
+        let numbers = [("rolling", law.rolling), ("twisting", law.twisting)];
+        let key = |name: &str| format!("{key}.{name}");
+        for (name, number) in numbers.into_iter().filter(|(_, number)| *number > 0.0) {
+            expect(scene, scene.dry(), &key(name), number, "is resisted in dry runs so far; remove it, or set flow.model = \"none\"")?;
+        }
+        expect(
+            scene,
+            law.twisting == 0.0 || scene.dimension() == 3,
+            &key("twisting"),
+            law.twisting,
+            "disks do not twist about a normal; remove it",
         )?;
     }
     Ok(())
@@ -222,7 +248,7 @@ fn check_dry(scene: &Scene) -> Result<()> {
     expect(!scene.bodies.is_empty(), "no fluid and no bodies leave nothing to simulate; add [[bodies]]")?;
     expect(scene.time.is_some(), "a dry scene has no instantaneous solve; add [time]")?;
     check_masses(scene, "of a dry scene")?;
-    if scene.contact.friction > 0.0 {
+    if scene.contact.friction.coefficient > 0.0 {
         return Ok(());
     }
     check_still_walls(scene, "without fluid and friction no body feels a wall move; remove it or set contact.friction")

@@ -30,6 +30,8 @@ mod fitted;
 mod fitted_scalar;
 mod fluid;
 mod friction;
+mod friction_by_law;
+mod friction_by_law_in_flow;
 mod friction_in_flow;
 mod friction_with_all;
 mod grid;
@@ -122,6 +124,8 @@ fn main() {
         interpolation::tests(),
         fluid::tests(),
         friction::tests(),
+        friction_by_law::tests(),
+        friction_by_law_in_flow::tests(),
         friction_in_flow::tests(),
         friction_with_all::tests(),
         transform::tests(),
