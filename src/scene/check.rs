@@ -118,8 +118,8 @@ fn check_clusters(scene: &Scene) -> Result<()> {
 }
 
 fn check_colour(scene: &Scene) -> Result<()> {
-    let tied = scene.bodies.iter().any(BodyGroup::together);
     let remedy = "tells chains, cells and clusters apart, and there are none; remove it";
+    let tied = scene.bodies.iter().any(BodyGroup::together);
     expect(scene, tied || scene.output.colour != Colour::Chain, "output.colour", "\"chain\"", remedy)?;
     let sheared = AffineFlow::of(scene).is_some();
     let remedy = "is relative to a shear, which neither walls nor the box impose; remove it";
@@ -166,7 +166,6 @@ fn check_contact(scene: &Scene) -> Result<()> {
 /// Refuses friction where contacts have none yet, and roughness where it means nothing.
 fn check_friction(scene: &Scene) -> Result<()> {
     let friction = scene.contact.friction.coefficient;
-    let tied = scene.bodies.iter().any(BodyGroup::together);
     if let Some(roughness) = scene.contact.roughness {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
         expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
@@ -178,8 +177,7 @@ fn check_friction(scene: &Scene) -> Result<()> {
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
-    check_turning(scene)?;
-    expect(!tied || !scene.dry(), "acts on single balls in dry runs so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
+    check_turning(scene)
 }
 
 /// Refuses surfaces that differ where friction knows one coefficient, or none.

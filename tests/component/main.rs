@@ -33,6 +33,7 @@ mod friction;
 mod friction_by_law;
 mod friction_by_law_in_flow;
 mod friction_in_flow;
+mod friction_of_tied;
 mod friction_with_all;
 mod grid;
 mod hard;
@@ -127,6 +128,7 @@ fn main() {
         friction_by_law::tests(),
         friction_by_law_in_flow::tests(),
         friction_in_flow::tests(),
+        friction_of_tied::tests(),
         friction_with_all::tests(),
         transform::tests(),
         units::tests(),

@@ -30,6 +30,9 @@ mod project;
 mod share;
 mod surfaces;
 mod sweeps;
+mod tied;
+mod tied_contacts;
+mod tied_report;
 mod turns;
 
 #[cfg(test)]
@@ -40,7 +43,10 @@ pub use frame::carried;
 pub use in_flow::{FlowContacts, HeldContact, HeldRow};
 pub use law::FrictionLaw;
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
+pub use program::FrictionIsland;
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};
 pub use surfaces::SurfaceFriction;
+pub use tied::{RigidTwists, TiedFriction, TiedWrenches};
+pub use tied_contacts::contacts_on_the_way;
 pub use turns::ContactWrench;

@@ -12,6 +12,7 @@ use super::{
 use crate::{
     body::{Twist, components, skew},
     contact::Contact,
+    geometry::Ball,
 };
 
 /// How a contact turns.
@@ -36,6 +37,17 @@ impl<const D: usize> ContactWrench<D> {
     /// A force alone.
     pub fn of_force(force: SVector<f64, D>) -> ContactWrench<D> {
         ContactWrench { force, couple: SMatrix::zeros() }
+    }
+
+    /// The force on each body of a contact as a velocity, and the torque about its centre as a spin.
+    pub fn on_bodies(&self, contact: &Contact<D>, balls: &[Ball<D>]) -> impl Iterator<Item = (usize, Twist<D>)> {
+        let frame = Frame::new(contact, balls);
+        let tangential = frame.tangential(&frame.components(&self.force));
+        let ends = [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, -frame.arms[1])];
+        let ContactWrench { force, couple } = *self;
+        ends.into_iter().filter_map(move |(body, sign, arm)| {
+            Some((body?, Twist { velocity: force * sign, spin: frame.torque(&(tangential * sign), arm) + couple * sign }))
+        })
     }
 
     /// Nothing.
