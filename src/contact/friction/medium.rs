@@ -18,6 +18,9 @@ pub struct Resisting {
     pub ties: bool,
 }
 
+/// The place of a body, and what a row counts of its unknowns.
+pub type Entries<const W: usize> = (usize, [f64; W]);
+
 /// What resists between the bodies of a program, factored.
 pub struct Medium<const W: usize> {
     resisting: Vec<Resisting>,
@@ -36,14 +39,14 @@ impl Resisting {
     }
 
     /// The same of any number of bodies, as what resists between each two of them.
-    pub fn of_rows<const W: usize>(entries: &[(usize, [f64; W])], resistance: f64) -> Vec<Resisting> {
+    pub fn of_rows<const W: usize>(entries: &[Entries<W>], resistance: f64) -> Vec<Resisting> {
         if let [(body, row)] = entries {
             return vec![Resisting::of_row([*body, NONE], &[*row, [0.0; W]], resistance)];
         }
         // each body is one of that many pairs
         let share = 1.0 / (entries.len() - 1) as f64;
         let pairs = entries.iter().enumerate().flat_map(|(place, one)| entries[place + 1..].iter().map(move |other| (one, other)));
-        let pair = |((one, first), (other, second)): (&(usize, [f64; W]), &(usize, [f64; W]))| {
+        let pair = |((one, first), (other, second)): (&Entries<W>, &Entries<W>)| {
             let mut resisting = Resisting::of_row([*one, *other], &[*first, *second], resistance);
             let size = W * W;
             resisting.blocks[..size].iter_mut().for_each(|entry| *entry *= share);

@@ -13,7 +13,7 @@ use super::{
     exact::solve_exactly,
     interior_point::follow,
     link::{Link, NONE},
-    medium::{Medium, Resisting},
+    medium::{Entries, Medium, Resisting},
     program::{FrictionIsland, FrictionProgram},
 };
 use crate::{
@@ -176,13 +176,13 @@ impl<const D: usize> TiedFriction<'_, D> {
     }
 
     /// The entries of a bond in the unknowns of an island, and its resistance; nothing if it is not of these.
-    fn bond<const W: usize>(&self, tie: &Row<D>, unknowns: &Unknowns<W>) -> Option<(Vec<(usize, [f64; W])>, f64)> {
+    fn bond<const W: usize>(&self, tie: &Row<D>, unknowns: &Unknowns<W>) -> Option<(Vec<Entries<W>>, f64)> {
         let entries = |(ball, side): &(usize, RigidFunctional<D>)| {
             let place = unknowns.balls.binary_search(ball).ok()?;
             let root = self.island.masses[*ball][0].sqrt();
             Some((unknowns.bodies[place], std::array::from_fn(|entry| if entry < D { side.direction[entry] / root } else { 0.0 })))
         };
-        let entries: Vec<(usize, [f64; W])> = tie.ends.iter().filter_map(entries).collect();
+        let entries: Vec<Entries<W>> = tie.ends.iter().filter_map(entries).collect();
         let mobility: f64 = entries.iter().flat_map(|(_, row)| row).map(|entry| entry * entry).sum();
         (mobility > 0.0).then(|| (entries, 1.0 / (tie.compliance / self.island.duration + REGULAR * mobility)))
     }
