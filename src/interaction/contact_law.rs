@@ -39,12 +39,12 @@ impl Friction {
     }
 }
 
-/// Friction of surfaces that differ.
+/// Friction of surfaces that differ, or have more than a coefficient.
 #[derive(Debug, Clone)]
 pub struct UnequalFriction {
     /// With the coefficient of the roughest surface.
     pub friction: Friction,
-    /// The coefficients.
+    /// All surfaces.
     pub surfaces: SurfaceFriction,
 }
 
@@ -55,7 +55,7 @@ pub struct ContactLaw<'a, const D: usize> {
     pub touch: Option<Touch>,
     /// Friction at contacts, if there is any.
     pub friction: Option<Friction>,
-    /// Coefficients of friction of surfaces that differ, if they do.
+    /// Friction of surfaces that differ or have more than a coefficient, if they do.
     pub surfaces: Option<&'a SurfaceFriction>,
     /// What contacts remember, if they do.
     pub memory: Option<&'a dyn ContactMemory<D>>,

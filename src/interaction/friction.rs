@@ -1,6 +1,7 @@
 //! Coulomb friction at contacts.
 
 use super::{ContactLaw, Friction, Interaction, UnequalFriction};
+use crate::contact::FrictionLaw;
 
 impl<const D: usize> Interaction<D> for Friction {
     fn name(&self) -> &'static str {
@@ -26,9 +27,12 @@ impl<const D: usize> Interaction<D> for UnequalFriction {
     }
 
     fn describe(&self) -> String {
+        let FrictionLaw { coefficient, rolling, twisting, critical_load } = self.surfaces.largest();
+        let turns = [(rolling, "rolling"), (twisting, "twisting")].into_iter().filter(|(number, _)| *number > 0.0);
+        let more: String = turns.map(|(number, name)| format!(", of {name} up to {number}")).collect();
+        let load = if critical_load > 0.0 { format!(", above normal forces of {critical_load}") } else { String::new() };
         format!(
-            "Coulomb's exact law at the level of velocities, with coefficients up to {}: of a contact that of its smoother surface",
-            self.friction.coefficient
+            "Coulomb's exact law at the level of velocities, with coefficients up to {coefficient}{more}{load}: of a contact the smaller ones of its surfaces"
         )
     }
 

@@ -11,7 +11,7 @@ use crate::{
         MultiplierLayout, Neighbourhood,
         lubrication::{LubricationPair, LubricationPairs, Opposite},
     },
-    contact::{AdhesiveContact, Contact, ContactForce, SurfaceFriction},
+    contact::{AdhesiveContact, Contact, ContactForce, FrictionLaw, SurfaceFriction},
     linalg::ROUNDING,
 };
 
@@ -62,9 +62,9 @@ impl<const D: usize> Interactions<D> {
         self.iter().find_map(|interaction| interaction.contact().friction)
     }
 
-    /// Coefficients of friction of surfaces; zero without friction.
+    /// Friction of surfaces; zero without friction.
     pub fn surfaces(&self) -> SurfaceFriction {
-        let uniform = || SurfaceFriction::uniform(self.friction().map_or(0.0, |friction| friction.coefficient));
+        let uniform = || SurfaceFriction::uniform(FrictionLaw::plain(self.friction().map_or(0.0, |friction| friction.coefficient)));
         self.iter().find_map(|interaction| interaction.contact().surfaces.cloned()).unwrap_or_else(uniform)
     }
 

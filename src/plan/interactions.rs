@@ -34,13 +34,14 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
 
 /// Friction and roughness of the surfaces of a scene, whose bodies are of these groups, if there are any.
 pub fn friction<const D: usize>(scene: &Scene, groups: &[usize]) -> Option<Rc<dyn Interaction<D>>> {
-    let coefficient = scene.contact.friction;
+    let law = scene.contact.friction;
+    let coefficient = law.coefficient;
     let of_films = scene.lubrication.roughness().filter(|_| coefficient > 0.0);
     let roughness = scene.contact.roughness.or(of_films).unwrap_or(0.0);
-    if scene.frictions_differ() {
-        let bodies = groups.iter().map(|&group| scene.bodies[group].friction.unwrap_or(coefficient)).collect();
-        let surfaces = SurfaceFriction::new(bodies, scene.contact.wall_friction.unwrap_or(coefficient));
-        let friction = Friction { coefficient: surfaces.largest(), roughness };
+    if scene.frictions_differ() || !law.is_plain() {
+        let bodies = groups.iter().map(|&group| scene.bodies[group].friction.unwrap_or(law)).collect();
+        let surfaces = SurfaceFriction::new(bodies, scene.contact.wall_friction.unwrap_or(law));
+        let friction = Friction { coefficient: surfaces.largest().coefficient, roughness };
         return Some(Rc::new(UnequalFriction { friction, surfaces }));
     }
     (coefficient > 0.0 || roughness > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient, roughness }) })

@@ -78,7 +78,7 @@ fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &MotionView<D>
         kkt_residual: (!matches!(model, ContactModel::Repulsion { .. })).then_some(kept.kkt_residual),
         total_force: totals.force,
         glue: model.gluey().then_some(GlueSummary { stuck: totals.stuck, gamma: totals.gamma }),
-        friction: (scene.contact.friction > 0.0).then_some(FrictionSummary {
+        friction: (scene.contact.friction.coefficient > 0.0).then_some(FrictionSummary {
             residual,
             steps_above_tolerance,
             tolerance: FrictionReport::tolerance(scene.dry()),

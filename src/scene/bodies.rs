@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use toml_edit::Value;
 
 use crate::body::{TOO_FEW, misplaced};
+use crate::contact::FrictionLaw;
 use crate::error::Result;
 use crate::scene::FlowModel;
 use crate::scene::chains::{self, Chain, ChainShape};
 use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
+use crate::scene::sections::friction;
 use crate::scene::table::Table;
 
 /// Keys of `[[bodies]]` that exclude each other.
@@ -35,8 +37,8 @@ pub struct BodyGroup {
     pub gap: f64,
     /// Mass per volume, not negative.
     pub density: f64,
-    /// Coefficient of friction of their surfaces, if it is not that of all.
-    pub friction: Option<f64>,
+    /// Friction of their surfaces, if it is not that of all.
+    pub friction: Option<FrictionLaw>,
     /// How the bodies move.
     pub motion: Motion,
     /// External force on each body; only free bodies have one.
@@ -206,7 +208,7 @@ impl BodyGroup {
             shape: shape.unwrap_or(default.shape),
             gap: read_gap(&table, &default)?,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
-            friction: table.get("friction").map(|entry| entry.not_negative()).transpose()?,
+            friction: table.get("friction").map(|entry| friction(&entry)).transpose()?,
             motion,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
             torque: table.get("torque").map(|entry| entry.rotation(dimension)).transpose()?,

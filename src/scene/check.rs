@@ -1,12 +1,13 @@
 //! What sections of a scene demand of each other.
 
+use crate::contact::FrictionLaw;
 use crate::error::Result;
 use crate::flow::InverseMethod;
 use crate::geometry::Protocol;
 use crate::scene::demand::{expect, name, walled};
 use crate::scene::{
-    AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, Drive, FlowModel, Joint, LubricationModel, Modes, Motion,
-    MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol,
+    AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, Drive, FlowModel, Joint, LubricationModel,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -112,8 +113,8 @@ fn check_clusters(scene: &Scene) -> Result<()> {
 }
 
 fn check_colour(scene: &Scene) -> Result<()> {
-    let tied = scene.bodies.iter().any(BodyGroup::together);
     let remedy = "tells chains, cells and clusters apart, and there are none; remove it";
+    let tied = scene.bodies.iter().any(BodyGroup::together);
     expect(scene, tied || scene.output.colour != Colour::Chain, "output.colour", "\"chain\"", remedy)?;
     let sheared = AffineFlow::of(scene).is_some();
     let remedy = "is relative to a shear, which neither walls nor the box impose; remove it";
@@ -159,8 +160,7 @@ fn check_contact(scene: &Scene) -> Result<()> {
 
 /// Refuses friction where contacts have none yet, and roughness where it means nothing.
 fn check_friction(scene: &Scene) -> Result<()> {
-    let friction = scene.contact.friction;
-    let tied = scene.bodies.iter().any(BodyGroup::together);
+    let friction = scene.contact.friction.coefficient;
     if let Some(roughness) = scene.contact.roughness {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
         expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
@@ -172,20 +172,44 @@ fn check_friction(scene: &Scene) -> Result<()> {
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
-    expect(!tied || !scene.dry(), "acts on single balls in dry runs so far; remove it, or [[chains]], [[cells]] and [[clusters]]")
+    check_turning(scene)
 }
 
 /// Refuses surfaces that differ where friction knows one coefficient, or none.
 fn check_surfaces(scene: &Scene) -> Result<()> {
-    let of_groups =
-        (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)));
-    for (key, friction) in of_groups.chain(scene.contact.wall_friction.map(|friction| ("contact.wall_friction".into(), friction))) {
+    let of_groups = frictions_of_groups(scene);
+    for (key, law) in of_groups.chain(scene.contact.wall_friction.map(|law| ("contact.wall_friction".into(), law))) {
         expect(
             scene,
-            scene.contact.friction > 0.0,
+            scene.contact.friction.coefficient > 0.0,
             &key,
-            friction,
+            law.coefficient,
             "needs contact.friction, the coefficient of all other surfaces; set that or remove it",
+        )?;
+    }
+    Ok(())
+}
+
+fn frictions_of_groups(scene: &Scene) -> impl Iterator<Item = (String, FrictionLaw)> {
+    (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)))
+}
+
+/// Refuses friction against rolling and twisting where nothing resists these.
+fn check_turning(scene: &Scene) -> Result<()> {
+    let ContactSection { friction, wall_friction, .. } = scene.contact;
+    let of_walls = wall_friction.map(|law| ("contact.wall_friction".to_owned(), law));
+    for (key, law) in std::iter::once(("contact.friction".to_owned(), friction)).chain(of_walls).chain(frictions_of_groups(scene)) {
+        let numbers = [("rolling", law.rolling), ("twisting", law.twisting)];
+        let key = |name: &str| format!("{key}.{name}");
+        for (name, number) in numbers.into_iter().filter(|(_, number)| *number > 0.0) {
+            expect(scene, scene.dry(), &key(name), number, "is resisted in dry runs so far; remove it, or set flow.model = \"none\"")?;
+        }
+        expect(
+            scene,
+            law.twisting == 0.0 || scene.dimension() == 3,
+            &key("twisting"),
+            law.twisting,
+            "disks do not twist about a normal; remove it",
         )?;
     }
     Ok(())
@@ -217,7 +241,7 @@ fn check_dry(scene: &Scene) -> Result<()> {
     expect(!scene.bodies.is_empty(), "no fluid and no bodies leave nothing to simulate; add [[bodies]]")?;
     expect(scene.time.is_some(), "a dry scene has no instantaneous solve; add [time]")?;
     check_masses(scene, "of a dry scene")?;
-    if scene.contact.friction > 0.0 {
+    if scene.contact.friction.coefficient > 0.0 {
         return Ok(());
     }
     check_still_walls(scene, "without fluid and friction no body feels a wall move; remove it or set contact.friction")

@@ -62,9 +62,9 @@ pub(super) const BODY_KEYS: [Key; 14] = [
     DENSITY,
     Key::new(
         "friction",
-        "number",
+        "number or table",
         "0.2",
-        "Coefficient of friction of their surfaces; of a contact the smaller coefficient of its two surfaces counts.",
+        "Friction of their surfaces, as `contact.friction`; of a contact the smaller numbers of its two surfaces count.",
     )
     .unit("ratio")
     .default("that of `contact.friction`")

@@ -5,6 +5,7 @@ use std::fmt::Display;
 use toml_edit::Value;
 
 use crate::body::Outline;
+use crate::contact::FrictionLaw;
 use crate::flow::InverseMethod;
 use crate::geometry::{Protocol, RateStep};
 use crate::scene::chains::{rest_word, word as shape_word};
@@ -236,7 +237,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     });
     if model != FlowModel::Scalar {
         keys.push(number("density", *density));
-        keys.extend(friction.map(|friction| number("friction", friction)));
+        keys.extend(friction.iter().flat_map(|law| of_friction("friction", law)));
         keys.extend(if bodies.together() { Vec::new() } else { of_motion(motion) });
     }
     let lists = [("rotation", rotation), ("force", force), ("torque", torque), ("velocity", velocity), ("spin", spin)];
@@ -291,14 +292,25 @@ fn of_motion(motion: &Motion) -> Keys {
     }
 }
 
+fn of_friction(key: &str, law: &FrictionLaw) -> Keys {
+    if law.is_plain() {
+        return vec![number(key, law.coefficient)];
+    }
+    let FrictionLaw { coefficient, rolling, twisting, critical_load } = *law;
+    let others =
+        [("rolling", rolling), ("twisting", twisting), ("critical_load", critical_load)].into_iter().filter(|(_, value)| *value > 0.0);
+    std::iter::once(("coefficient", coefficient)).chain(others).map(|(name, value)| number(&format!("{key}.{name}"), value)).collect()
+}
+
 fn of_contact(contact: &ContactSection) -> Keys {
     let ContactSection { model, friction, wall_friction, roughness } = contact;
     let mut keys = vec![word("contact.model", model.word())];
     keys.extend(match model {
         ContactModel::Inelastic => {
-            let friction = (*friction > 0.0).then(|| number("contact.friction", *friction));
-            let of_walls = wall_friction.map(|friction| number("contact.wall_friction", friction));
-            friction.into_iter().chain(of_walls).chain(roughness.map(|roughness| number("contact.roughness", roughness))).collect()
+            let friction =
+                Some(friction).filter(|law| law.coefficient > 0.0).into_iter().flat_map(|law| of_friction("contact.friction", law));
+            let of_walls = wall_friction.iter().flat_map(|law| of_friction("contact.wall_friction", law));
+            friction.chain(of_walls).chain(roughness.map(|roughness| number("contact.roughness", roughness))).collect()
         }
         ContactModel::None => vec![],
         ContactModel::Repulsion { stiffness, range } => vec![number("contact.stiffness", *stiffness), number("contact.range", *range)],

@@ -72,7 +72,7 @@ pub const SECTIONS: [KeySection; 21] = [
     KeySection {
         name: "contact.friction",
         written: "friction = { .. } of [contact]",
-        about: "Friction at contacts.",
+        about: "Friction at contacts; also of `wall_friction`, and of `friction` in [[bodies]].",
         keys: &FRICTION_KEYS,
     },
     KeySection { name: "lubrication", written: "[lubrication]", about: "Films between bodies that nearly touch.", keys: &LUBRICATION_KEYS },
@@ -167,6 +167,8 @@ mod tests {
             let name = if section.name == "top" { key.name.to_owned() } else { format!("{}.{}", section.name, key.name) };
             // the three axes are alike
             let name = name.replace("domain.x", "domain.y").replace("domain.z", "domain.y");
+            // and so is friction
+            let name = name.replace("contact.wall_friction", "contact.friction").replace("bodies.friction", "contact.friction");
             let found = SECTIONS.iter().any(|section| section.name == name);
             (table != found).then(|| format!("{name}: {}", key.kind))
         });

@@ -11,7 +11,7 @@ mod resolution;
 mod time;
 
 pub use contact::{ContactModel, ContactSection};
-pub(in crate::scene) use contact::{FRICTION_KEYS, KEYS as CONTACT_KEYS};
+pub(in crate::scene) use contact::{FRICTION_KEYS, KEYS as CONTACT_KEYS, friction};
 pub(in crate::scene) use domain::{AXIS_KEYS, KEYS as DOMAIN_KEYS, PROFILES};
 pub use domain::{AxisSection, DomainSection};
 pub(super) use flow::{DRIVE_KEYS, DRIVES, KEYS as FLOW_KEYS};

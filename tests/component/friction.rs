@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Twist, components, skew},
-    contact::{FrictionReport, Partner, SurfaceFriction},
+    contact::{FrictionLaw, FrictionReport, Partner, SurfaceFriction},
     geometry::{Axis, Domain},
     interaction::{Friction, Inelastic, Interactions, UnequalFriction},
     mechanics::{Moving, State},
@@ -35,33 +35,37 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// A ball of density 1.
-fn ball<const D: usize>(center: [f64; D], velocity: [f64; D], gravity: SVector<f64, D>) -> GranularBody<D> {
+pub fn ball<const D: usize>(center: [f64; D], velocity: [f64; D], gravity: SVector<f64, D>) -> GranularBody<D> {
     sized(1.0, center, velocity, gravity)
 }
 
-fn sized<const D: usize>(radius: f64, center: [f64; D], velocity: [f64; D], gravity: SVector<f64, D>) -> GranularBody<D> {
+/// A ball of this radius and density 1.
+pub fn sized<const D: usize>(radius: f64, center: [f64; D], velocity: [f64; D], gravity: SVector<f64, D>) -> GranularBody<D> {
     let [volume, part] = if D == 2 { [PI, 0.5] } else { [4.0 / 3.0 * PI, 0.4] };
     let mass = volume * radius.powi(D as i32);
     let (center, twist) = (center.into(), Twist { velocity: velocity.into(), spin: SMatrix::zeros() });
     GranularBody { radius, center, twist, mass, inertia: part * mass * radius * radius, acceleration: gravity, spin_up: SMatrix::zeros() }
 }
 
-fn fixed<const D: usize>(radius: f64, center: [f64; D]) -> GranularBody<D> {
+/// A ball that does not move.
+pub fn fixed<const D: usize>(radius: f64, center: [f64; D]) -> GranularBody<D> {
     let given = sized(radius, center, [0.0; D], SVector::zeros());
     GranularBody { mass: f64::INFINITY, inertia: f64::INFINITY, ..given }
 }
 
-fn down<const D: usize>() -> SVector<f64, D> {
+/// Gravity along the last axis.
+pub fn down<const D: usize>() -> SVector<f64, D> {
     SVector::from_fn(|axis, _| if axis + 1 == D { -1.0 } else { 0.0 })
 }
 
 /// A box with walls across the last axis, periodic along the others.
-fn channel<const D: usize>(size: f64) -> Domain<D> {
+pub fn channel<const D: usize>(size: f64) -> Domain<D> {
     let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     Domain { size: [size; D].into(), axes: std::array::from_fn(|axis| if axis + 1 == D { wall } else { Axis::Periodic }) }
 }
 
-fn closed(size: [f64; 2]) -> Domain<2> {
+/// A box with walls on all sides.
+pub fn closed(size: [f64; 2]) -> Domain<2> {
     let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     Domain { size: size.into(), axes: [wall; 2] }
 }
@@ -71,7 +75,8 @@ fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: &[Granula
     start_with(session, (domain, interactions), bodies, step)
 }
 
-fn start_with<const D: usize>(
+/// A simulation by Euler steps with these interactions.
+pub fn start_with<const D: usize>(
     session: &Session,
     (domain, interactions): (Domain<D>, Interactions<D>),
     bodies: &[GranularBody<D>],
@@ -82,21 +87,24 @@ fn start_with<const D: usize>(
     Simulation::granular(session, setup, time)
 }
 
-fn step<const D: usize>(simulation: &mut Simulation<D>) -> FrictionReport {
+/// One step, and how friction was kept in it.
+pub fn step<const D: usize>(simulation: &mut Simulation<D>) -> FrictionReport {
     let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
     simulation.step(&observation, &mut |_, _| {}).unwrap().kkt_report.unwrap().friction.unwrap()
 }
 
-fn steps<const D: usize>(simulation: &mut Simulation<D>, count: usize) -> f64 {
+/// Some steps, and the largest residual.
+pub fn steps<const D: usize>(simulation: &mut Simulation<D>, count: usize) -> f64 {
     (0..count).map(|_| step(simulation).residual).fold(0.0, f64::max)
 }
 
-fn fastest<const D: usize>(simulation: &Simulation<D>) -> f64 {
+/// The largest speed.
+pub fn fastest<const D: usize>(simulation: &Simulation<D>) -> f64 {
     simulation.whole_state().bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max)
 }
 
 /// Kinetic energy of free bodies, and their energy of place.
-fn energy<const D: usize>(simulation: &Simulation<D>, bodies: &[GranularBody<D>]) -> f64 {
+pub fn energy<const D: usize>(simulation: &Simulation<D>, bodies: &[GranularBody<D>]) -> f64 {
     let of_body = |(moving, body): (&turbid::mechanics::Moving<D>, &GranularBody<D>)| {
         let turning = 0.5 * body.inertia * moving.twist.spin.norm_squared();
         0.5 * (body.mass * moving.twist.velocity.norm_squared() + turning) - body.mass * body.acceleration.dot(&moving.center)
@@ -105,7 +113,7 @@ fn energy<const D: usize>(simulation: &Simulation<D>, bodies: &[GranularBody<D>]
 }
 
 /// Normal forces of contacts with the lower wall along an axis, over a unit.
-fn on_wall<const D: usize>(state: &State<D>, wall: usize, unit: f64) -> Vec<f64> {
+pub fn on_wall<const D: usize>(state: &State<D>, wall: usize, unit: f64) -> Vec<f64> {
     let of_wall = |partner: Partner| matches!(partner, Partner::Wall { axis, upper: false } if axis == wall);
     let mut forces: Vec<_> = state.held.iter().filter(|held| of_wall(held.partner)).map(|held| (held.body, held.force / unit)).collect();
     forces.sort_by_key(|force| force.0);
@@ -138,8 +146,10 @@ fn slides_between<const D: usize>(session: &Session, [of_ball, of_wall]: [f64; 2
     let mut gravity = down::<D>() * angle.cos();
     gravity[0] = angle.sin();
     let center = std::array::from_fn(|axis| if axis + 1 == D { 1.0 } else { 5.0 });
-    let (friction, surfaces) =
-        (Friction { coefficient: of_ball.max(of_wall), roughness: 0.0 }, SurfaceFriction::new(vec![of_ball], of_wall));
+    let (friction, surfaces) = (
+        Friction { coefficient: of_ball.max(of_wall), roughness: 0.0 },
+        SurfaceFriction::new(vec![FrictionLaw::plain(of_ball)], FrictionLaw::plain(of_wall)),
+    );
     let unequal = Interactions::default().with(Inelastic).with(UnequalFriction { friction, surfaces });
     let mut simulation = start_with(session, (channel(10.0), unequal), &[ball(center, [0.0; D], gravity)], 0.02);
     let residual = steps(&mut simulation, 50);
@@ -285,7 +295,7 @@ fn a_wedge_holds_a_disk_by_forces_between_the_bounds(session: &Session) {
 }
 
 /// Numbers between -1 and 1 that look random.
-fn noise(seed: usize) -> f64 {
+pub fn noise(seed: usize) -> f64 {
     let number = (seed as f64 * 12.9898).sin() * 43758.5453;
     2.0 * (number - number.floor()) - 1.0
 }
@@ -313,7 +323,7 @@ fn disks_that_tumble_never_gain_energy_and_never_overlap(session: &Session) {
 }
 
 /// Disks of several sizes above a floor between walls.
-fn heap(count: usize) -> Vec<GranularBody<2>> {
+pub fn heap(count: usize) -> Vec<GranularBody<2>> {
     let disk = |number: usize| {
         let (column, row) = (number % 10, number / 10);
         let place = [2.1 * column as f64 + 1.2 + 0.4 * (row % 2) as f64, 2.05 * row as f64 + 1.05];

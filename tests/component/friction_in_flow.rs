@@ -3,10 +3,10 @@
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 use turbid::{
     body::{Motion, pack},
-    contact::{ContactForce, FrictionReport, Partner},
+    contact::{ContactForce, FrictionLaw, FrictionReport, Partner, SurfaceFriction},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
-    interaction::{Friction, Lubrication},
+    interaction::{Friction, Lubrication, UnequalFriction},
     mechanics::{FlowSolver, History, Setup, SuspendedBody, Suspension},
     motion::{Observation, Simulation},
     observe,
@@ -35,9 +35,11 @@ pub fn tests() -> Vec<Test> {
     ]
 }
 
-const ROUGHNESS: f64 = 0.02;
+/// Gap at which bodies touch, in radii.
+pub const ROUGHNESS: f64 = 0.02;
 
-fn between_walls<const D: usize>(size: SVector<f64, D>, rate: f64, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
+/// A box with walls across the last axis, of which the upper one moves, or a whole shear.
+pub fn between_walls<const D: usize>(size: SVector<f64, D>, rate: f64, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
     let along = SVector::<f64, D>::from_fn(|axis, _| if axis == 0 { rate * size[D - 1] } else { 0.0 });
     let walls = Axis::Walls { lower: along * 0.0, upper: along };
     let domain = Domain { size, axes: std::array::from_fn(|axis| if axis + 1 == D { walls } else { Axis::Periodic }) };
@@ -50,15 +52,28 @@ fn time(step: f64) -> TimeSection {
 
 /// A suspension that rubs.
 fn rubbing<const D: usize>(session: &Session, setup: Setup<D>, coefficient: f64, step: f64) -> Simulation<D> {
-    let setup = setup.with_contact(ContactModel::Inelastic).with(Friction { coefficient, roughness: ROUGHNESS });
+    rubbing_by(session, setup, FrictionLaw::plain(coefficient), step)
+}
+
+/// A suspension whose surfaces rub by a law.
+pub fn rubbing_by<const D: usize>(session: &Session, setup: Setup<D>, law: FrictionLaw, step: f64) -> Simulation<D> {
+    let friction = Friction { coefficient: law.coefficient, roughness: ROUGHNESS };
+    let setup = setup.with_contact(ContactModel::Inelastic);
+    let setup = if law.is_plain() {
+        setup.with(friction)
+    } else {
+        setup.with(UnequalFriction { friction, surfaces: SurfaceFriction::uniform(law) })
+    };
     Simulation::flowing(session, Box::new(Suspension::new(session, setup).unwrap()), time(step))
 }
 
-fn evaluate<const D: usize>(simulation: &mut Simulation<D>) -> Observation<D> {
+/// What there is before a step.
+pub fn evaluate<const D: usize>(simulation: &mut Simulation<D>) -> Observation<D> {
     simulation.evaluate(&mut |_, _| {}).unwrap()
 }
 
-fn step<const D: usize>(simulation: &mut Simulation<D>) -> (Observation<D>, FrictionReport) {
+/// One step, and how friction was kept in it.
+pub fn step<const D: usize>(simulation: &mut Simulation<D>) -> (Observation<D>, FrictionReport) {
     let observation = evaluate(simulation);
     let report = simulation.step(&observation, &mut |_, _| {}).unwrap();
     let kkt_report = report.kkt_report.unwrap();
@@ -67,16 +82,17 @@ fn step<const D: usize>(simulation: &mut Simulation<D>) -> (Observation<D>, Fric
 }
 
 /// Normal and tangential force of the contacts of an observation.
-fn forces<const D: usize>(observation: &Observation<D>) -> Vec<(ContactForce<D>, SVector<f64, D>)> {
+pub fn forces<const D: usize>(observation: &Observation<D>) -> Vec<(ContactForce<D>, SVector<f64, D>)> {
     observation.contacts.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| (*pressed, pressed.tangential)).collect()
 }
 
-/// A ball that is pulled to the floor of a box in shear.
-fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f64, D>, f64), weight: f64, coefficient: f64) -> [f64; 3] {
+/// Slip, tangential over normal force, velocity and normal force of a ball that is pulled to the floor of a box in shear.
+pub fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f64, D>, f64), weight: f64, law: FrictionLaw) -> [f64; 4] {
     let center = SVector::from_fn(|axis, _| if axis + 1 == D { 1.0101 } else { 0.5 * size[axis] });
     let down = SVector::<f64, D>::from_fn(|axis, _| if axis + 1 == D { -weight } else { 0.0 });
     let pulled = Motion::Free { force: down, torque: SMatrix::zeros() };
-    let mut simulation = rubbing(session, between_walls(size, 1.0, spacing, vec![suspended(center, 1.0, pulled, 4)]), coefficient, 0.01);
+    let setup = between_walls(size, 1.0, spacing, vec![suspended(center, 1.0, pulled, 4)]);
+    let mut simulation = rubbing_by(session, setup, law, 0.01);
     (0..3).for_each(|_| _ = step(&mut simulation));
     let (observation, report) = step(&mut simulation);
     let (twist, fluid) = (observation.twists[0], observation.solution.as_ref().unwrap().bodies[0]);
@@ -93,31 +109,31 @@ fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f64, 
     let slip = twist.at(&arm)[0];
     assert!(report.residual < FrictionReport::TOLERANCE_IN_FLOW && report.work < 1e-6 * weight, "{report:?}");
     assert_eq!((report.sticking, report.slipping), if slip.abs() < 1e-5 { (1, 0) } else { (0, 1) });
-    [slip, side[0] / pressed.force, twist.velocity[0]]
+    [slip, side[0] / pressed.force, twist.velocity[0], pressed.force]
 }
 
 fn a_disk_on_a_wall_in_shear_is_in_balance_and_rolls_or_slips_as_the_law_says(session: &Session) {
-    rolls_or_slips(|coefficient| on_a_floor(session, (Vector2::new(8.0, 5.0), 0.25), 20.0, coefficient));
+    rolls_or_slips(|coefficient| on_a_floor(session, (Vector2::new(8.0, 5.0), 0.25), 20.0, FrictionLaw::plain(coefficient)));
 }
 
 fn a_sphere_on_a_wall_in_shear_is_in_balance_and_rolls_or_slips_as_the_law_says(session: &Session) {
-    rolls_or_slips(|coefficient| on_a_floor(session, (Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0), 20.0, coefficient));
+    rolls_or_slips(|coefficient| on_a_floor(session, (Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0), 20.0, FrictionLaw::plain(coefficient)));
 }
 
 /// Slip, tangential over normal force on the floor, and velocity by the coefficient: the shear takes the ball along, the floor holds it.
-fn rolls_or_slips(on_a_floor: impl Fn(f64) -> [f64; 3]) {
-    let [slip, ratio, rolling] = on_a_floor(10.0);
+fn rolls_or_slips(on_a_floor: impl Fn(f64) -> [f64; 4]) {
+    let [slip, ratio, rolling, _] = on_a_floor(10.0);
     assert!(slip.abs() < 1e-5 && ratio > 0.02, "{slip} {ratio}");
     for part in [0.5, 0.98] {
-        let [slip, found, velocity] = on_a_floor(part * ratio);
+        let [slip, found, velocity, _] = on_a_floor(part * ratio);
         assert!(slip > 0.0 && (found / (part * ratio) - 1.0).abs() < 1e-5 && velocity > rolling, "{slip} {found} {ratio} {velocity}");
     }
-    let [slip, found, velocity] = on_a_floor(1.02 * ratio);
+    let [slip, found, velocity, _] = on_a_floor(1.02 * ratio);
     assert!(slip.abs() < 1e-5 && (found / ratio - 1.0).abs() < 1e-4 && (velocity / rolling - 1.0).abs() < 1e-3, "{slip} {found} {ratio}");
 }
 
 /// Disks between walls in shear, at a fraction of 0.6, with films cut at the roughness.
-fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
+pub fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
     let size = Vector2::new(8.0, count as f64 * std::f64::consts::PI / 0.6 / 8.0);
     let still = between_walls::<2>(size, rate, 0.25, Vec::new());
     let centers: Vec<Vector2<f64>> = pack(&still.domain, &[] as &[Ball<2>], &vec![1.0; count], 0.03, seed).unwrap();

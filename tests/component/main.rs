@@ -30,7 +30,10 @@ mod fitted;
 mod fitted_scalar;
 mod fluid;
 mod friction;
+mod friction_by_law;
+mod friction_by_law_in_flow;
 mod friction_in_flow;
+mod friction_of_tied;
 mod friction_with_all;
 mod grid;
 mod hard;
@@ -123,7 +126,10 @@ fn main() {
         interpolation::tests(),
         fluid::tests(),
         friction::tests(),
+        friction_by_law::tests(),
+        friction_by_law_in_flow::tests(),
         friction_in_flow::tests(),
+        friction_of_tied::tests(),
         friction_with_all::tests(),
         transform::tests(),
         units::tests(),

@@ -1,11 +1,10 @@
 //! How far the forces and velocities of a step are from the law, whatever found them.
 
-use nalgebra::SVector;
-
 use super::{
-    SurfaceFriction,
+    ContactWrench, FrictionLaw, SurfaceFriction,
     cone::{ContactState, natural_map},
     frame::Frame,
+    program::FrictionIsland,
 };
 use crate::{
     body::Twist,
@@ -30,7 +29,7 @@ pub struct Certified<'a, const D: usize> {
     pub contacts: &'a [Contact<D>],
     /// Length of the step.
     pub step: f64,
-    /// Coefficients of friction.
+    /// How surfaces rub.
     pub surfaces: &'a SurfaceFriction,
 }
 
@@ -38,15 +37,15 @@ pub struct Certified<'a, const D: usize> {
 pub fn certify<const D: usize>(
     peers: Peers,
     step: &Certified<D>,
-    force: &dyn Fn(&Contact<D>) -> SVector<f64, D>,
+    wrench: &dyn Fn(&Contact<D>) -> ContactWrench<D>,
     report: &mut FrictionReport,
 ) {
     let (mut largest, mut unit, mut sums) = (0.0f64, 0.0f64, [0.0; 3]);
     for contact in step.contacts.iter().filter(|contact| step.view.answers(contact.identity())) {
-        let scaled = step.scaled(contact, &force(contact));
-        largest = largest.max(natural_map(&scaled.impulse, &scaled.velocity, scaled.friction));
-        unit = scaled.wanted.iter().fold(unit, |unit, wanted| unit.max(wanted.abs()));
-        match ContactState::of(&scaled.impulse, &scaled.velocity, scaled.friction) {
+        let judged = step.judged(contact, &wrench(contact));
+        largest = largest.max(judged.miss);
+        unit = unit.max(judged.unit);
+        match judged.state {
             ContactState::Open => {}
             ContactState::Sticking => sums[0] += 1.0,
             ContactState::Slipping => sums[1] += 1.0,
@@ -59,32 +58,52 @@ pub fn certify<const D: usize>(
     (report.sticking, report.slipping, report.work) = (sums[0] as usize, sums[1] as usize, sums[2]);
 }
 
-/// A contact in rows of norm 1.
-struct Scaled<const D: usize> {
-    impulse: [f64; D],
-    velocity: [f64; D],
-    wanted: [f64; D],
-    friction: f64,
+/// How a contact keeps its law, in rows of norm 1.
+struct Judged {
+    miss: f64,
+    /// The largest velocity wanted.
+    unit: f64,
+    state: ContactState,
 }
 
 impl<const D: usize> Certified<'_, D> {
-    fn scaled(&self, contact: &Contact<D>, force: &SVector<f64, D>) -> Scaled<D> {
+    fn judged(&self, contact: &Contact<D>, wrench: &ContactWrench<D>) -> Judged {
+        let law = self.surfaces.of(self.view.identity(contact));
+        match D {
+            _ if law.is_plain() => self.judged_by_coefficient(contact, wrench, law.coefficient),
+            2 => self.judged_by_law::<3>(contact, wrench, law),
+            _ => self.judged_by_law::<6>(contact, wrench, law),
+        }
+    }
+
+    fn judged_by_law<const W: usize>(&self, contact: &Contact<D>, wrench: &ContactWrench<D>, law: FrictionLaw) -> Judged {
+        let Certified { domain, view: View { balls, .. }, masses, step, .. } = *self;
+        let (contacts, laws) = (&[*contact], &[law]);
+        let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration: step };
+        let (wanted, after) = (island(self.twists).program::<W>(), island(self.ends).program::<W>());
+        let impulses = island(self.ends).impulses(&after, &[*wrench]);
+        let miss = |place: usize| after.miss(place, &impulses, &after.links[place].offset);
+        let miss = (0..impulses.len()).map(miss).fold(0.0, f64::max);
+        Judged { miss, unit: wanted.unit, state: after.state(0, &impulses[0], &after.links[0].offset) }
+    }
+
+    fn judged_by_coefficient(&self, contact: &Contact<D>, wrench: &ContactWrench<D>, coefficient: f64) -> Judged {
         let frame = Frame::new(contact, &self.view.balls);
         let bodies = [Some(contact.body), contact.other()].into_iter().zip(frame.arms);
         let mobilities = bodies.filter_map(|(body, arm)| body.map(|body| (self.masses[body], arm)));
         let (along, across) = mobilities
             .fold((0.0, 0.0), |(along, across), ([mass, inertia], arm)| (along + 1.0 / mass, across + 1.0 / mass + arm * arm / inertia));
         let norms: [f64; D] = std::array::from_fn(|axis| if axis == 0 { along.sqrt() } else { across.sqrt() });
-        let velocity = |twists: &[Twist<D>]| {
+        let scaled = |twists: &[Twist<D>]| -> [f64; D] {
             let velocity = frame.velocity((self.domain, contact), twists, self.step);
             std::array::from_fn(|axis| velocity[axis] / norms[axis])
         };
-        let force = frame.components(force);
-        Scaled {
-            impulse: std::array::from_fn(|axis| force[axis] * self.step * norms[axis]),
-            velocity: velocity(self.ends),
-            wanted: velocity(self.twists),
-            friction: self.surfaces.of(self.view.identity(contact)) * norms[1] / norms[0],
+        let (force, velocity, friction) = (frame.components(&wrench.force), scaled(self.ends), coefficient * norms[1] / norms[0]);
+        let impulse = std::array::from_fn(|axis| force[axis] * self.step * norms[axis]);
+        Judged {
+            miss: natural_map(&impulse, &velocity, friction),
+            unit: scaled(self.twists).iter().fold(0.0, |unit, wanted| unit.max(wanted.abs())),
+            state: ContactState::of(&impulse, &velocity, friction),
         }
     }
 

@@ -32,7 +32,13 @@ pub fn natural_map<const D: usize>(force: &[f64; D], velocity: &[f64; D], fricti
     let mut aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
     aim[0] -= friction * tangential_size(velocity);
     let next = project(aim, friction);
-    force.iter().zip(next).map(|(force, next)| (force - next).abs()).fold(0.0, f64::max)
+    force.iter().zip(next).map(|(force, next)| (force - next).abs()).fold(0.0, larger)
+}
+
+/// The larger of two numbers, which is none if the second one is none.
+#[inline]
+pub fn larger(one: f64, other: f64) -> f64 {
+    if other > one || other.is_nan() { other } else { one }
 }
 
 /// What a contact does.
@@ -75,6 +81,7 @@ mod tests {
         for (force, velocity) in [([0.0, 0.0], [0.3, 2.0]), ([1.0, 0.3], [0.0, 0.0]), ([1.0, -0.5], [0.0, 4.0])] {
             assert!(natural_map(&force, &velocity, 0.5) < 1e-15, "{force:?} {velocity:?}");
         }
+        assert!(natural_map(&[1.0, f64::NAN], &[0.0, 0.0], 0.5).is_nan());
         for (force, velocity) in [([0.0, 0.0], [-0.3, 0.0]), ([1.0, 0.3], [0.0, 0.1]), ([1.0, 0.5], [0.0, 4.0]), ([1.0, 0.0], [0.1, 0.0])] {
             assert!(natural_map(&force, &velocity, 0.5) > 1e-2, "{force:?} {velocity:?}");
         }

@@ -79,10 +79,12 @@ fn from_sweeps<const D: usize, const W: usize>(
 ) -> (Vec<[f64; D]>, usize) {
     let forces = &sweeps.forces;
     let velocities = program.velocities(&program.motion(forces));
-    let stays = |place: &usize| forces[*place] != [0.0; D] || velocities[*place][0] < OPEN * program.unit;
+    let stays = |place: &usize| {
+        let leader = program.leader(*place);
+        forces[leader] != [0.0; D] || velocities[leader][0] < OPEN * program.unit
+    };
     let near: Vec<usize> = (0..forces.len()).filter(stays).collect();
-    let links = near.iter().map(|&place| program.links[place].clone()).collect();
-    let part = FrictionProgram { links, medium: program.medium.clone(), ..*program };
+    let part = program.part(&near);
     let guess: Vec<[f64; D]> = near.iter().map(|&place| forces[place]).collect();
     let end = follow(&part, &guess, (start, AIM));
     let mut found = forces.clone();

@@ -18,17 +18,19 @@ pub struct Frame<const D: usize> {
     /// Distances of the point of contact from the centre of the body and from that of the partner; their sum is the distance of the centres, so that a
     /// rigid rotation of a pair does not slip.
     pub arms: [f64; 2],
+    /// The reduced radius, by which couples against rolling and twisting are forces: of two bodies `a_1 a_2 / (a_1 + a_2)`, at a wall that of the body.
+    pub reduced_radius: f64,
 }
 
 impl<const D: usize> Frame<D> {
     /// That of a contact.
     pub fn new(contact: &Contact<D>, balls: &[Ball<D>]) -> Frame<D> {
         let own = balls[contact.body].radius;
-        let arms = contact.other().map_or([contact.separation, 0.0], |other| {
+        let (arms, reduced_radius) = contact.other().map_or(([contact.separation, 0.0], own), |other| {
             let whole = own + balls[other].radius;
-            [own, balls[other].radius].map(|radius| radius * contact.separation / whole)
+            ([own, balls[other].radius].map(|radius| radius * contact.separation / whole), own * balls[other].radius / whole)
         });
-        Frame { axes: axes(&contact.normal), arms }
+        Frame { axes: axes(&contact.normal), arms, reduced_radius }
     }
 
     /// Components of a vector.

@@ -5,10 +5,11 @@
 //! `c = |u_T| / (mu r_N)`. What it finds, forces `r` and velocities `u`, is the solution if the natural map of the exact law is zero. If not, the exact law is
 //! solved for the network alone, `u' = W r' + (u - W r)`, and the states of that go into the next solve.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::{
-    cone::{ContactState, natural_map, project, tangential_size},
+    FrictionLaw,
+    cone::{ContactState, larger, tangential_size},
     frame::{Frame, carried, cross},
     interior_point::follow,
     network::ImmersedBodies,
@@ -40,7 +41,7 @@ pub struct HeldContact<const D: usize> {
     pub state: ContactState,
     /// Force on the partner near which it is looked for.
     pub force: SVector<f64, D>,
-    /// Direction of friction on the partner where it slips.
+    /// Direction of friction on the partner where it slips; zero where it does so freely.
     pub direction: SVector<f64, D>,
     /// Speed of the slip over the force of friction.
     pub ease: f64,
@@ -65,8 +66,8 @@ pub struct FlowContacts<'a, const D: usize, const W: usize> {
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
     frames: Vec<Frame<D>>,
-    /// Coefficient of friction of each.
-    coefficients: Vec<f64>,
+    /// The law of each.
+    laws: Vec<FrictionLaw>,
     program: FrictionProgram<D, W>,
     /// What the last coupled solve found, in the rows of the program.
     found: Vec<([f64; D], [f64; D])>,
@@ -78,17 +79,17 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     /// Contacts of bodies that have not been solved for.
     pub fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>) -> Self {
         let ImmersedBodies { domain, balls, resistance, surfaces, step } = immersed;
-        let coefficients: Vec<f64> = contacts.iter().map(|contact| surfaces.of(contact.identity())).collect();
+        let laws: Vec<FrictionLaw> = contacts.iter().map(|contact| surfaces.of(contact.identity())).collect();
         let resistances = &resistance.bodies[..];
         let free: Vec<usize> = (0..balls.len()).filter(|&body| resistances[body][0].is_finite()).collect();
         let still = vec![Twist::zero(); balls.len()];
         let island =
-            FrictionIsland { domain, balls, masses: resistances, twists: &still, step, contacts: &contacts, coefficients: &coefficients };
+            FrictionIsland { domain, balls, masses: resistances, twists: &still, step, contacts: &contacts, laws: &laws, duration: 1.0 };
         // without contacts nobody asks what resists
         let program = island.program_of(&free);
         let program = if contacts.is_empty() { program } else { program.in_medium(resistance.medium(&free)) };
         let frames = contacts.iter().map(|contact| Frame::new(contact, balls)).collect();
-        FlowContacts { immersed, frames, coefficients, program, found: Vec::new(), iterations: 0, contacts }
+        FlowContacts { immersed, frames, laws, program, found: Vec::new(), iterations: 0, contacts }
     }
 
     /// Takes what a coupled solve found, and gives how far from the law it is: the largest component of the natural map, over that of the velocities that
@@ -108,23 +109,21 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     }
 
     fn residual(&self) -> f64 {
-        // the largest of numbers that may be none
-        let larger = |largest: f64, miss: f64| if miss > largest || miss.is_nan() { miss } else { largest };
         self.misses().into_iter().fold(0.0, larger) / self.program.unit
     }
 
     /// By how much each contact misses the law.
     pub fn misses(&self) -> Vec<f64> {
-        self.found.iter().zip(&self.program.links).map(|((force, velocity), link)| natural_map(force, velocity, link.friction)).collect()
+        let forces: Vec<[f64; D]> = self.found.iter().map(|(force, _)| *force).collect();
+        self.found.iter().enumerate().map(|(place, (_, velocity))| self.program.miss(place, &forces, velocity)).collect()
     }
 
     /// How contacts are held where the network obeys the law; nothing if that is not found.
     pub fn by_network(&mut self) -> Option<Vec<HeldContact<D>>> {
         let mut best = follow(&self.program, &vec![[0.0; D]; self.contacts.len()], (1.0, AIM));
         if best.residual > SOLVED {
-            let found: Vec<[f64; D]> =
-                self.found.iter().zip(&self.program.links).map(|((force, _), link)| project(*force, link.friction)).collect();
-            let again = follow(&self.program, &found, (NEAR, AIM));
+            let found: Vec<[f64; D]> = self.found.iter().map(|(force, _)| *force).collect();
+            let again = follow(&self.program, &self.program.within(&found), (NEAR, AIM));
             if again.residual < best.residual {
                 best = again;
             }
@@ -155,16 +154,16 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     fn held(&self, place: usize, force: &[f64; D], velocity: &[f64; D]) -> HeldContact<D> {
         let (link, frame) = (&self.program.links[place], &self.frames[place]);
-        let state = match ContactState::of(force, velocity, link.friction) {
+        let state = match self.program.state(place, force, velocity) {
             // nothing holds it
-            ContactState::Sticking if self.coefficients[place] == 0.0 => ContactState::Slipping,
+            ContactState::Sticking if self.laws[place].coefficient == 0.0 => ContactState::Slipping,
             state => state,
         };
         let aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
-        let size = tangential_size(&aim);
-        let direction = if size > 0.0 { frame.tangential(&aim) / size } else { SVector::zeros() };
+        let (size, load) = (tangential_size(&aim), self.program.limit(place).load);
+        let direction = if size > 0.0 && aim[0] > load { frame.tangential(&aim) / size } else { SVector::zeros() };
         let in_space = (0..D).map(|axis| frame.axes[axis] * (force[axis] / link.norms[axis])).sum();
-        let ease = tangential_size(velocity) * link.norms[1] / (self.coefficients[place] * force[0] / link.norms[0]);
+        let ease = tangential_size(velocity) * link.norms[1] / (self.laws[place].coefficient * (force[0] - load) / link.norms[0]);
         HeldContact { state, force: in_space, direction, ease: if ease.is_finite() { ease.max(0.0) } else { 0.0 } }
     }
 
@@ -182,9 +181,13 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
                 (0..D).map(|axis| self.row(place, (&axes[axis], &axes[axis]), soft(axis), held.force.dot(&axes[axis]))).collect()
             }
             ContactState::Slipping => {
-                let push = axes[0] + held.direction * self.coefficients[place];
-                let mut rows = vec![self.row(place, (&axes[0], &push), soft(0), held.force.dot(&axes[0]))];
-                if D == 3 && self.coefficients[place] > 0.0 {
+                let FrictionLaw { coefficient, critical_load, .. } = self.laws[place];
+                let friction = held.direction * coefficient;
+                let mut rows = vec![self.row(place, (&axes[0], &(axes[0] + friction)), soft(0), held.force.dot(&axes[0]))];
+                if critical_load > 0.0 && held.rubs() {
+                    rows.push(self.known_force(place, &-friction, norms[1] * norms[1], critical_load));
+                }
+                if D == 3 && coefficient > 0.0 && held.rubs() {
                     let across = cross(&axes[0], &held.direction);
                     rows.push(self.row(place, (&across, &across), held.ease.max(norms[1] * norms[1] / STIFFEST), 0.0));
                 }
@@ -210,6 +213,15 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         HeldRow { contact: place, unit: *push, guess, row: Row { ends: ends(along), pushes, rate, compliance } }
     }
 
+    /// The row of a force on the partner that is known, so many units: no motion counts for it.
+    fn known_force(&self, place: usize, unit: &SVector<f64, D>, compliance: f64, force: f64) -> HeldRow<D> {
+        let mut held = self.row(place, (unit, unit), compliance, force);
+        held.row.pushes = held.row.ends.iter().map(|(_, side)| *side).collect();
+        held.row.ends.iter_mut().for_each(|(_, side)| *side = RigidFunctional { direction: SVector::zeros(), turn: SMatrix::zeros() });
+        held.row.rate = compliance * force;
+        held
+    }
+
     fn scaled_force(&self, place: usize, force: &SVector<f64, D>) -> [f64; D] {
         let (components, norms) = (self.frames[place].components(force), self.program.links[place].norms);
         std::array::from_fn(|axis| components[axis] * norms[axis])
@@ -219,7 +231,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.links[place].norms);
         let velocity = frame.velocity((self.immersed.domain, contact), twists, self.immersed.step);
         // a smooth contact slides as it likes
-        let counts = |axis: usize| axis == 0 || self.coefficients[place] > 0.0;
+        let counts = |axis: usize| axis == 0 || self.laws[place].coefficient > 0.0;
         std::array::from_fn(|axis| if counts(axis) { velocity[axis] / norms[axis] } else { 0.0 })
     }
 
@@ -246,8 +258,16 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 }
 
 impl<const D: usize> HeldContact<D> {
+    /// Whether friction resists a slip: not below the critical load, nor of smooth surfaces.
+    fn rubs(&self) -> bool {
+        self.direction != SVector::<f64, D>::zeros()
+    }
+
     /// Whether two say the same: of slips in a plane there are two, in space any number.
     pub fn is_like(&self, other: &HeldContact<D>) -> bool {
+        if self.state == ContactState::Slipping && !(self.rubs() && other.rubs()) {
+            return other.state == self.state && self.rubs() == other.rubs();
+        }
         let same_way = D == 3 || self.state != ContactState::Slipping || self.direction.dot(&other.direction) > 0.0;
         self.state == other.state && same_way
     }
@@ -272,7 +292,7 @@ mod tests {
         let balls: Vec<Ball<3>> = centers.iter().zip(radii).map(|(&center, radius)| Ball { center, radius }).collect();
         let contact = Contact::between(&domain, &balls, [0, 1], centers[1] - centers[0]);
         let resistance = NetworkResistance { bodies: vec![[2.0, 3.0], [1.0, 0.5]], ..NetworkResistance::default() };
-        let surfaces = SurfaceFriction::uniform(0.5);
+        let surfaces = SurfaceFriction::uniform(FrictionLaw::plain(0.5));
         let immersed = ImmersedBodies { domain: &domain, balls: &balls, resistance: &resistance, surfaces: &surfaces, step: 0.1 };
         let twists = [([0.3, 0.1, -0.2], [0.2, 0.7, -0.4]), ([-0.5, 0.2, 0.4], [0.1, -0.3, 0.9])]
             .map(|(velocity, spin)| Twist { velocity: Vector3::from(velocity), spin: skew(&spin) });

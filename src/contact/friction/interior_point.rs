@@ -6,7 +6,8 @@
 //! symmetric, of each contact. The path may turn back: then it stops, and what it has found is told with its residual.
 
 use super::{
-    cone::{TOLERANCE, project},
+    bounds::Limit,
+    cone::TOLERANCE,
     link::{Link, NONE},
     pairs::{Newton, Pairs},
     program::FrictionProgram,
@@ -83,8 +84,12 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         let guess: Vec<[f64; D]> = guess.iter().map(|force| force.map(|component| component / program.unit)).collect();
         let motion = program.motion(&guess);
         let mut point = Point { program, motion, pairs: Vec::new(), last: 1.0 };
-        let contacts = program.links.iter().zip(&guess).zip(point.velocities());
-        point.pairs = contacts.map(|((link, force), velocity)| Pairs::near(force, &velocity, link.friction, start)).collect();
+        let near = |(place, velocity): (usize, [f64; D])| {
+            let normal = guess[program.leader(place)][0];
+            let force = std::array::from_fn(|axis| if axis == 0 { normal } else { guess[place][axis] });
+            Pairs::near(&force, &velocity, point.limit(place), start)
+        };
+        point.pairs = point.velocities().into_iter().enumerate().map(near).collect();
         point.motion = program.motion(&point.impulses());
         point
     }
@@ -99,19 +104,35 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
     }
 
     fn impulses(&self) -> Vec<[f64; D]> {
-        self.pairs.iter().map(Pairs::impulse).collect()
+        self.pairs.iter().enumerate().map(|(place, pairs)| self.alone(place, pairs.impulse())).collect()
+    }
+
+    /// What bounds the tangential impulse of a link in these units.
+    fn limit(&self, place: usize) -> Limit {
+        let Limit { friction, load } = self.program.limit(place);
+        Limit { friction, load: load / self.program.unit }
+    }
+
+    /// The impulse that a link has itself: of one that turns a contact the pair has the normal impulse of that.
+    fn alone(&self, place: usize, mut impulse: [f64; D]) -> [f64; D] {
+        if self.program.follows(place) {
+            impulse[0] = 0.0;
+        }
+        impulse
     }
 
     /// The impulses in the cones that are next to those of the point.
     fn forces(&self) -> Vec<[f64; D]> {
-        let contacts = self.pairs.iter().zip(&self.program.links);
-        contacts.map(|(pairs, link)| project(pairs.impulse().map(|component| component * self.program.unit), link.friction)).collect()
+        let scaled: Vec<[f64; D]> = self.pairs.iter().map(|pairs| pairs.impulse().map(|component| component * self.program.unit)).collect();
+        self.program.within(&scaled)
     }
 
     /// One iteration; whether it led anywhere.
     fn step(&mut self, factors: &mut BlockLu) -> bool {
-        let contacts = self.pairs.iter().zip(&self.program.links).zip(self.velocities());
-        let newton: Vec<Newton<D>> = contacts.map(|((pairs, link), velocity)| Newton::of(pairs, &velocity, link.friction)).collect();
+        let mean = mean(&self.pairs);
+        let contacts = self.pairs.iter().zip(self.velocities()).enumerate();
+        let newton: Vec<Newton<D>> =
+            contacts.map(|(place, (pairs, velocity))| Newton::of(pairs, &velocity, (self.limit(place), mean))).collect();
         let count = newton.len();
         let of_both = |place: usize| match place.checked_sub(count) {
             Some(row) => self.program.medium.blocks(row),
@@ -120,7 +141,6 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         if !factors.factor(of_both) {
             return false;
         }
-        let mean = mean(&self.pairs);
         let products: Vec<(f64, [f64; D])> = self.pairs.iter().map(Pairs::products).collect();
         let predicted = self.direction(factors, &newton, &products);
         let after = mean_after(&self.pairs, &predicted.pairs, self.room(&predicted).min(1.0));
@@ -141,10 +161,11 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
     fn blocks(&self, contact: usize, newton: &Newton<D>) -> Blocks {
         let link = &self.program.links[contact];
         let count = if link.ends[1] == NONE { 1 } else { 2 };
+        let first = usize::from(self.program.follows(contact));
         let mut blocks = vec![0.0; count * count * W * W];
         for (number, block) in blocks.chunks_exact_mut(W * W).enumerate() {
             let (row, column) = (&link.rows[number / count], &link.rows[number % count]);
-            for (from, along) in row.iter().enumerate() {
+            for (from, along) in row.iter().enumerate().skip(first) {
                 for (to, across) in column.iter().enumerate() {
                     let factor = newton.matrix[from][to];
                     for (entries, one) in block.chunks_exact_mut(W).zip(along) {
@@ -163,9 +184,10 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
             .pairs
             .iter()
             .zip(&first)
-            .map(|(pairs, first)| {
+            .enumerate()
+            .map(|(place, (pairs, first))| {
                 let now = pairs.impulse();
-                std::array::from_fn(|axis| now[axis] + first[axis])
+                self.alone(place, std::array::from_fn(|axis| now[axis] + first[axis]))
             })
             .collect();
         let mut motion = self.program.pushes(&forces);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::{FrictionShare, SurfaceFriction, exact::solve_exactly, frame::Frame, program::FrictionIsland};
+use super::{ContactWrench, FrictionLaw, FrictionShare, SurfaceFriction, exact::solve_exactly, program::FrictionIsland};
 use crate::{
     body::{Twist, components, skew},
     contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
@@ -12,11 +12,11 @@ use crate::{
     parallel::Peers,
 };
 
-/// Forces on the partners, as vectors in space, by contact, of bodies by number.
-pub type Forces<const D: usize> = BTreeMap<Identity<D>, SVector<f64, D>>;
+/// What contacts do to their partners, of bodies by number.
+pub type Wrenches<const D: usize> = BTreeMap<Identity<D>, ContactWrench<D>>;
 
-/// The force of a contact to start from, and whether it was found for the contacts that were known then.
-pub type Guess<const D: usize> = (SVector<f64, D>, bool);
+/// The wrench of a contact to start from, and whether it was found for the contacts that were known then.
+pub type Guess<const D: usize> = (ContactWrench<D>, bool);
 
 /// What solving the islands of a rank took.
 #[derive(Default, Clone, Copy)]
@@ -40,8 +40,8 @@ struct Traveller<const D: usize> {
 #[derive(Default)]
 struct Gathered<const D: usize> {
     bodies: BTreeMap<usize, Traveller<D>>,
-    /// Contacts with a guess of the force of each.
-    contacts: Forces<D>,
+    /// Contacts with a guess of the wrench of each.
+    contacts: Wrenches<D>,
     /// Whether a contact is new.
     is_new: bool,
 }
@@ -63,8 +63,8 @@ pub struct Shared<'a, const D: usize> {
 }
 
 impl<const D: usize> Shared<'_, D> {
-    /// The forces of all contacts of own bodies, from a guess; an island without a new contact keeps its forces.
-    pub fn solve(&self, friction: &FrictionShare<D>, guess: &dyn Fn(&Identity<D>) -> Guess<D>) -> (Forces<D>, Cost) {
+    /// The wrenches of all contacts of own bodies, from a guess; an island without a new contact keeps its own.
+    pub fn solve(&self, friction: &FrictionShare<D>, guess: &dyn Fn(&Identity<D>) -> Guess<D>) -> (Wrenches<D>, Cost) {
         let (domain, step) = (self.share.problem.domain, self.share.problem.step);
         let mut letters = vec![Vec::new(); self.peers.count()];
         let mut cost = Cost::default();
@@ -76,19 +76,19 @@ impl<const D: usize> Shared<'_, D> {
             } else {
                 island.solve::<6>(domain, step, friction.surfaces, &mut cost)
             };
-            for (identity, force) in found {
+            for (identity, wrench) in found {
                 let mut owners: Vec<usize> = crate::contact::bodies_of(identity).map(|body| island.bodies[&body].owner).collect();
                 owners.dedup();
-                owners.into_iter().for_each(|owner| write(identity, &force, 0.0, &mut letters[owner]));
+                owners.into_iter().for_each(|owner| write(identity, &wrench, 0.0, &mut letters[owner]));
             }
         }
         let read = |numbers: &[f64]| {
-            let (identity, force, _) = read(numbers);
-            (identity, force)
+            let (identity, wrench, _) = read(numbers);
+            (identity, wrench)
         };
-        let forces = self.peers.deliver(&letters).chunks(record::<D>()).map(read).collect();
+        let wrenches = self.peers.deliver(&letters).chunks(record::<D>()).map(read).collect();
         let most = |count: usize| self.peers.max(count as f64) as usize;
-        (forces, Cost { sweeps: most(cost.sweeps), iterations: most(cost.iterations) })
+        (wrenches, Cost { sweeps: most(cost.sweeps), iterations: most(cost.iterations) })
     }
 
     /// The islands of which this rank owns the first body that gives way.
@@ -99,8 +99,8 @@ impl<const D: usize> Shared<'_, D> {
             let home = homes[free_body(&self.view.problem(&self.share.problem), contact)];
             let letter = &mut letters[(home % self.peers.count() as u64) as usize];
             let identity = self.view.identity(contact);
-            let (force, is_old) = guess(&identity);
-            write(identity, &force, home as f64, letter);
+            let (wrench, is_old) = guess(&identity);
+            write(identity, &wrench, home as f64, letter);
             letter.push(f64::from(is_old));
             [contact.body, contact.other().unwrap_or(contact.body)].into_iter().for_each(|body| self.write_body(body, letter));
         }
@@ -136,17 +136,19 @@ impl<const D: usize> Shared<'_, D> {
 
 /// How many numbers [`write()`] makes.
 const fn record<const D: usize>() -> usize {
-    packed_length::<D>() + D
+    packed_length::<D>() + D + D * (D - 1) / 2
 }
 
-fn write<const D: usize>(identity: Identity<D>, vector: &SVector<f64, D>, number: f64, letter: &mut Vec<f64>) {
+fn write<const D: usize>(identity: Identity<D>, wrench: &ContactWrench<D>, number: f64, letter: &mut Vec<f64>) {
     letter.extend(pack(identity, number));
-    letter.extend(vector.iter());
+    letter.extend(wrench.force.iter());
+    letter.extend(components(&wrench.couple));
 }
 
-fn read<const D: usize>(numbers: &[f64]) -> (Identity<D>, SVector<f64, D>, f64) {
+fn read<const D: usize>(numbers: &[f64]) -> (Identity<D>, ContactWrench<D>, f64) {
     let (identity, number) = unpack(&numbers[..packed_length::<D>()]);
-    (identity, SVector::from_column_slice(&numbers[packed_length::<D>()..]), number)
+    let (force, couple) = numbers[packed_length::<D>()..].split_at(D);
+    (identity, ContactWrench { force: SVector::from_column_slice(force), couple: skew(couple) }, number)
 }
 
 impl<const D: usize> Traveller<D> {
@@ -162,7 +164,7 @@ impl<const D: usize> Traveller<D> {
 }
 
 impl<const D: usize> Gathered<D> {
-    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, surfaces: &SurfaceFriction, cost: &mut Cost) -> Forces<D> {
+    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, surfaces: &SurfaceFriction, cost: &mut Cost) -> Wrenches<D> {
         let numbers: Vec<usize> = self.bodies.keys().copied().collect();
         let balls: Vec<Ball<D>> = self.bodies.values().map(|body| body.ball).collect();
         let masses: Vec<[f64; 2]> = self.bodies.values().map(|body| body.mass).collect();
@@ -170,8 +172,7 @@ impl<const D: usize> Gathered<D> {
         let place = |number: usize| numbers.binary_search(&number).expect("both bodies came with a contact");
         let again = |&identity: &Identity<D>| Contact::again(domain, &balls, renamed(identity, place));
         let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
-        let frames: Vec<Frame<D>> = contacts.iter().map(|contact| Frame::new(contact, &balls)).collect();
-        let coefficients: Vec<f64> = self.contacts.keys().map(|&identity| surfaces.of(identity)).collect();
+        let laws: Vec<FrictionLaw> = self.contacts.keys().map(|&identity| surfaces.of(identity)).collect();
         let island = FrictionIsland {
             domain,
             balls: &balls,
@@ -179,19 +180,13 @@ impl<const D: usize> Gathered<D> {
             twists: &twists,
             step,
             contacts: &contacts,
-            coefficients: &coefficients,
+            laws: &laws,
+            duration: step,
         };
         let program = island.program::<W>();
-        let guess = program.links.iter().zip(&frames).zip(self.contacts.values()).map(|((link, frame), force)| {
-            let force = frame.components(force);
-            std::array::from_fn(|axis| force[axis] * step * link.norms[axis])
-        });
-        let found = solve_exactly(&program, guess.collect());
+        let guess: Vec<ContactWrench<D>> = self.contacts.values().copied().collect();
+        let found = solve_exactly(&program, island.impulses(&program, &guess));
         (cost.sweeps, cost.iterations) = (cost.sweeps.max(found.sweeps), cost.iterations.max(found.iterations));
-        let in_space = |((link, frame), force): ((&super::link::Link<D, W>, &Frame<D>), &[f64; D])| -> SVector<f64, D> {
-            (0..D).map(|axis| frame.axes[axis] * (force[axis] / (link.norms[axis] * step))).sum()
-        };
-        let forces = program.links.iter().zip(&frames).zip(&found.forces).map(in_space);
-        self.contacts.keys().copied().zip(forces).collect()
+        self.contacts.keys().copied().zip(island.wrenches(&program, &found.forces)).collect()
     }
 }

@@ -3,7 +3,7 @@
 /// No body, or one that does not give way.
 pub const NONE: usize = usize::MAX;
 
-/// A contact: two bodies at most, of `W` unknowns each, and `D` rows.
+/// A contact, or what turns one against its friction: two bodies at most, of `W` unknowns each, and `D` rows.
 #[derive(Debug, Clone)]
 pub struct Link<const D: usize, const W: usize> {
     /// Places of its bodies among those that give way; the first is there.

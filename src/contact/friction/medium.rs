@@ -18,6 +18,9 @@ pub struct Resisting {
     pub ties: bool,
 }
 
+/// The place of a body, and what a row counts of its unknowns.
+pub type Entries<const W: usize> = (usize, [f64; W]);
+
 /// What resists between the bodies of a program, factored.
 pub struct Medium<const W: usize> {
     resisting: Vec<Resisting>,
@@ -33,6 +36,24 @@ impl Resisting {
         let entries =
             pairs.flat_map(|(one, other)| one.iter().flat_map(move |row| other.iter().map(move |column| resistance * row * column)));
         Resisting { ends, blocks: entries.collect(), ties: false }
+    }
+
+    /// The same of any number of bodies, as what resists between each two of them.
+    pub fn of_rows<const W: usize>(entries: &[Entries<W>], resistance: f64) -> Vec<Resisting> {
+        if let [(body, row)] = entries {
+            return vec![Resisting::of_row([*body, NONE], &[*row, [0.0; W]], resistance)];
+        }
+        // each body is one of that many pairs
+        let share = 1.0 / (entries.len() - 1) as f64;
+        let pairs = entries.iter().enumerate().flat_map(|(place, one)| entries[place + 1..].iter().map(move |other| (one, other)));
+        let pair = |((one, first), (other, second)): (&Entries<W>, &Entries<W>)| {
+            let mut resisting = Resisting::of_row([*one, *other], &[*first, *second], resistance);
+            let size = W * W;
+            resisting.blocks[..size].iter_mut().for_each(|entry| *entry *= share);
+            resisting.blocks[3 * size..].iter_mut().for_each(|entry| *entry *= share);
+            Resisting { ties: true, ..resisting }
+        };
+        pairs.map(pair).collect()
     }
 
     fn bodies(&self) -> &[usize] {

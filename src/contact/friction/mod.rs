@@ -4,9 +4,13 @@
 //! relative to the body's, `u_N` with the gap over the step: `r` lies in `{ |r_T| <= mu r_N }`, `u + mu |u_T| e_N` in the dual cone, and both are orthogonal
 //! (De Saxce and Feng 1998). A contact is open, sticks (`u = 0`), or slips against its friction (`r_T = -mu r_N u_T / |u_T|`). A step never gains energy.
 //!
+//! With a critical load the excess of `r_N` counts, and couples resist rolling and twisting in the same way: each is one more pair of cones, and one more
+//! block of rows, that has the normal force of its contact in its bound ([`FrictionLaw`]).
+//!
 //! An island is solved by sweeps and an interior point of the exact law; where neither reaches the tolerance the best forces are taken, and the residual
 //! is told. In any case the least change of velocities follows with which nothing overlaps; its forces are normal ones, and add to those found.
 
+mod bounds;
 mod certificate;
 mod cone;
 mod exact;
@@ -15,8 +19,10 @@ mod in_flow;
 mod interior_point;
 mod islands;
 mod jamming;
+mod law;
 mod link;
 mod medium;
+mod misses;
 mod network;
 mod pairs;
 mod program;
@@ -24,6 +30,10 @@ mod project;
 mod share;
 mod surfaces;
 mod sweeps;
+mod tied;
+mod tied_contacts;
+mod tied_report;
+mod turns;
 
 #[cfg(test)]
 mod tests;
@@ -31,7 +41,12 @@ mod tests;
 pub use cone::ContactState;
 pub use frame::carried;
 pub use in_flow::{FlowContacts, HeldContact, HeldRow};
+pub use law::FrictionLaw;
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
+pub use program::FrictionIsland;
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};
 pub use surfaces::SurfaceFriction;
+pub use tied::{RigidTwists, TiedFriction, TiedWrenches};
+pub use tied_contacts::contacts_on_the_way;
+pub use turns::ContactWrench;

@@ -1,6 +1,6 @@
 //! The two pairs of a contact on the path of the [interior point](super::interior_point), and Newton's method for their products.
 
-use super::cone::tangential_size;
+use super::{bounds::Limit, cone::tangential_size};
 
 /// `n s` and `b o e`, or a change of all four.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,8 @@ pub struct Newton<const D: usize> {
     /// `C`: impulses change by what `-C` makes of velocities.
     pub matrix: [[f64; D]; D],
     pairs: Pairs<D>,
-    friction: f64,
+    /// How the bound grows with the normal impulse.
+    slope: f64,
     /// What is wrong: of the normal velocity, of the tangential ones (the first component is none), and of the bound.
     opening: f64,
     slip: [f64; D],
@@ -64,13 +65,13 @@ fn cone<const D: usize>(value: &[f64; D], change: &[f64; D]) -> f64 {
 
 impl<const D: usize> Pairs<D> {
     /// Those with products of the square of `start` near an impulse and a velocity.
-    pub fn near(force: &[f64; D], velocity: &[f64; D], friction: f64, start: f64) -> Pairs<D> {
+    pub fn near(force: &[f64; D], velocity: &[f64; D], limit: Limit, start: f64) -> Pairs<D> {
         let product = start * start;
         let half = 0.5 * (velocity[0] - force[0]);
         let root = (half * half + product).sqrt();
         let opening = if half > 0.0 { root + half } else { product / (root - half) };
         let normal = product / opening;
-        let (most, slip) = (friction * normal, tangential_size(velocity));
+        let ((most, _), slip) = (limit.on_path(normal, product), tangential_size(velocity));
         // a bound that is cut by more would spoil the guess
         let limit = most - (product / slip.max(start)).min(0.5 * most);
         let part = (limit / tangential_size(force).max(f64::MIN_POSITIVE)).min(1.0);
@@ -114,15 +115,16 @@ impl<const D: usize> Pairs<D> {
 }
 
 impl<const D: usize> Newton<D> {
-    /// The equations at a contact that moves so.
-    pub fn of(pairs: &Pairs<D>, velocity: &[f64; D], friction: f64) -> Newton<D> {
+    /// The equations at a contact that moves so, at products of this mean.
+    pub fn of(pairs: &Pairs<D>, velocity: &[f64; D], (limit, product): (Limit, f64)) -> Newton<D> {
+        let (most, slope) = limit.on_path(pairs.normal, product);
         let mut newton = Newton {
             matrix: [[0.0; D]; D],
             pairs: *pairs,
-            friction,
+            slope,
             opening: velocity[0] - pairs.opening,
             slip: std::array::from_fn(|axis| if axis == 0 { 0.0 } else { velocity[axis] - pairs.slip[axis] }),
-            bound: friction * pairs.normal - pairs.bound[0],
+            bound: most - pairs.bound[0],
             ratio: std::array::from_fn(|axis| if axis == 0 { 0.0 } else { pairs.bound[axis] / pairs.bound[0] }),
             bend: [0.0; D],
         };
@@ -130,7 +132,7 @@ impl<const D: usize> Newton<D> {
         let stiffness = pairs.normal / pairs.opening;
         newton.matrix[0][0] = stiffness;
         let bent = newton.inverse(&newton.bend);
-        (1..D).for_each(|axis| newton.matrix[axis][0] = friction * stiffness * bent[axis]);
+        (1..D).for_each(|axis| newton.matrix[axis][0] = slope * stiffness * bent[axis]);
         for column in 1..D {
             let unit = std::array::from_fn(|axis| f64::from(axis == column));
             let turned = newton.inverse(&newton.turn(&unit));
@@ -157,7 +159,7 @@ impl<const D: usize> Newton<D> {
     pub fn first(&self, (normal, tangential): &(f64, [f64; D])) -> [f64; D] {
         let push = -(normal + self.pairs.normal * self.opening) / self.pairs.opening;
         let turned = self.turn(&self.slip);
-        let bound = self.friction * push + self.bound;
+        let bound = self.slope * push + self.bound;
         let side = std::array::from_fn(|axis| {
             if axis == 0 { 0.0 } else { -tangential[axis] + self.ratio[axis] * tangential[0] + self.bend[axis] * bound - turned[axis] }
         });
@@ -169,7 +171,7 @@ impl<const D: usize> Newton<D> {
     /// The change of both pairs, given the first change of the impulse and how the motion changes velocities.
     pub fn change(&self, first: &[f64; D], rates: &[f64; D], (_, products): &(f64, [f64; D])) -> Pairs<D> {
         let impulse: [f64; D] = std::array::from_fn(|axis| first[axis] - dot(&self.matrix[axis], rates));
-        let bound = std::array::from_fn(|axis| if axis == 0 { self.friction * impulse[0] + self.bound } else { impulse[axis] });
+        let bound = std::array::from_fn(|axis| if axis == 0 { self.slope * impulse[0] + self.bound } else { impulse[axis] });
         let mut slip: [f64; D] = std::array::from_fn(|axis| rates[axis] + self.slip[axis]);
         slip[0] = (-products[0] - dot(&self.pairs.slip, &bound) - tangential(&self.pairs.bound, &slip)) / self.pairs.bound[0];
         Pairs { normal: impulse[0], opening: rates[0] + self.opening, bound, slip }
@@ -184,7 +186,7 @@ mod tests {
     fn a_change_takes_products_away_to_first_order() {
         let pairs = Pairs { normal: 0.7, opening: 0.4, bound: [0.5, 0.2, -0.1], slip: [0.9, -0.3, 0.2] };
         let (velocity, friction) = ([0.5, -0.1, 0.3], 0.6);
-        let newton = Newton::of(&pairs, &velocity, friction);
+        let newton = Newton::of(&pairs, &velocity, (Limit { friction, load: 0.0 }, 0.0));
         let products = pairs.products();
         let (first, rates) = (newton.first(&products), [0.03, -0.02, 0.05]);
         let change = newton.change(&first, &rates, &products);

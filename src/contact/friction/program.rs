@@ -6,7 +6,9 @@
 use std::rc::Rc;
 
 use super::{
-    cone::natural_map,
+    FrictionLaw,
+    bounds::Bound,
+    cone::larger,
     frame::Frame,
     link::{Link, NONE},
     medium::Medium,
@@ -22,8 +24,10 @@ use crate::{
 pub struct FrictionProgram<const D: usize, const W: usize> {
     /// Bodies that give way.
     pub bodies: usize,
-    /// The contacts.
+    /// The contacts, in order, and then what turns them.
     pub links: Vec<Link<D, W>>,
+    /// What bounds the tangential impulse of each link; none where that is the normal one of each alone.
+    pub bounds: Vec<Bound>,
     /// The largest component of `q`.
     pub unit: f64,
     /// What resists motions besides the bodies, in a fluid: velocities are `A R^-1 A^T r + q` then.
@@ -44,8 +48,10 @@ pub struct FrictionIsland<'a, const D: usize> {
     pub step: f64,
     /// The contacts.
     pub contacts: &'a [Contact<D>],
-    /// The coefficient of friction of each.
-    pub coefficients: &'a [f64],
+    /// The law of each.
+    pub laws: &'a [FrictionLaw],
+    /// What an impulse is over a force: the step, or 1 where forces stand in the place of impulses.
+    pub duration: f64,
 }
 
 impl<const D: usize> FrictionIsland<'_, D> {
@@ -61,9 +67,10 @@ impl<const D: usize> FrictionIsland<'_, D> {
     /// That of more bodies that give way than have contacts, in order.
     pub fn program_of<const W: usize>(&self, free: &[usize]) -> FrictionProgram<D, W> {
         let links: Vec<Link<D, W>> =
-            self.contacts.iter().zip(self.coefficients).map(|(contact, &coefficient)| self.link(contact, coefficient, free)).collect();
+            self.contacts.iter().zip(self.laws).map(|(contact, law)| self.link(contact, law.coefficient, free)).collect();
+        let (links, bounds) = self.with_turns(links, free);
         let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
-        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, unit }
+        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, bounds, unit }
     }
 
     fn link<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> Link<D, W> {
@@ -102,6 +109,15 @@ impl<const D: usize> FrictionIsland<'_, D> {
 }
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
+    /// That of these links alone, in order, of which none turns a contact that is none of them.
+    pub fn part(&self, places: &[usize]) -> FrictionProgram<D, W> {
+        let links = places.iter().map(|&place| self.links[place].clone()).collect();
+        let place = |whole: usize| places.binary_search(&whole).expect("the contact is one of them");
+        let bound = |bound: &Bound| Bound { leader: place(bound.leader), ..*bound };
+        let bounds = places.iter().filter_map(|&whole| self.bounds.get(whole).map(bound)).collect();
+        FrictionProgram { links, bounds, medium: self.medium.clone(), ..*self }
+    }
+
     /// The two bodies of each contact; the same twice if it has one.
     pub fn touches(&self) -> Vec<[usize; 2]> {
         self.links.iter().map(|link| if link.ends[1] == NONE { [link.ends[0]; 2] } else { link.ends }).collect()
@@ -122,12 +138,14 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     /// The same contacts of bodies that a medium resists too, in rows by which a contact alone moves as fast as it is pushed.
     pub fn in_medium(mut self, medium: Medium<W>) -> Self {
         let mobilities = medium.own_mobilities(&self.links);
-        for (link, mobility) in self.links.iter_mut().zip(mobilities) {
+        for (link, mobility) in self.links.iter_mut().zip(&mobilities) {
             // nothing moves a contact without friction along its tangents
             let tangential = mobility[1..].iter().sum::<f64>() / (D - 1) as f64;
             let tangential = if tangential > 0.0 { tangential } else { 1.0 };
             link.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
         }
+        let mobility_of = |leader: usize| mobilities[leader][0].sqrt();
+        self.bounds.iter_mut().for_each(|bound| bound.load *= mobility_of(bound.leader));
         self.medium = Rc::new(medium);
         self
     }
@@ -149,9 +167,7 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
 
     /// The same where the motion of these forces is known.
     pub fn residual_of(&self, forces: &[[f64; D]], motion: &[[f64; W]]) -> f64 {
-        let contacts = self.links.iter().zip(forces).zip(self.velocities(motion));
-        let largest = contacts.map(|((link, force), velocity)| natural_map(force, &velocity, link.friction));
-        // the largest of numbers that may be none
-        largest.fold(0.0, |largest: f64, found| if found > largest || found.is_nan() { found } else { largest }) / self.unit
+        let largest = self.velocities(motion).into_iter().enumerate().map(|(place, velocity)| self.miss(place, forces, &velocity));
+        largest.fold(0.0, larger) / self.unit
     }
 }

@@ -7,10 +7,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{SMatrix, SVector};
 
 use super::{
-    FrictionProjection, FrictionShare,
+    ContactWrench, FrictionProjection, FrictionShare,
     certificate::{Certified, certify},
     frame::Frame,
-    islands::{Cost, Forces, Shared},
+    islands::{Cost, Shared, Wrenches},
 };
 use crate::{
     body::{Halo, Twist},
@@ -38,8 +38,8 @@ struct Rounds<'a, const D: usize> {
     friction: &'a FrictionShare<'a, D>,
     /// All contacts of own bodies that friction knows, of bodies by number.
     contacts: BTreeMap<Identity<D>, Contact<D>>,
-    /// Forces at them, found or to start from.
-    forces: Forces<D>,
+    /// Wrenches at them, found or to start from.
+    wrenches: Wrenches<D>,
     /// Those that joined after friction was solved last.
     fresh: BTreeSet<Identity<D>>,
     /// What friction changes the motions of own bodies by.
@@ -84,8 +84,8 @@ pub fn project_with_friction<const D: usize>(
 impl<'a, const D: usize> Rounds<'a, D> {
     fn new(peers: Peers<'a>, share: &'a ProblemShare<'a, D>, friction: &'a FrictionShare<'a, D>) -> Self {
         let (changes, cost) = (vec![Twist::zero(); friction.spins.len()], Cost::default());
-        let (contacts, forces, fresh) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
-        Rounds { peers, share, friction, contacts, forces, fresh, changes, cost }
+        let (contacts, wrenches, fresh) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
+        Rounds { peers, share, friction, contacts, wrenches, fresh, changes, cost }
     }
 
     /// Takes the contacts that pressed in the last step, with their forces, and those that come near; none if none pressed.
@@ -111,7 +111,7 @@ impl<'a, const D: usize> Rounds<'a, D> {
     fn join(&mut self, contact: Contact<D>, force: SVector<f64, D>) {
         let identity = contact.identity();
         if self.contacts.insert(identity, contact).is_none() {
-            self.forces.insert(identity, force);
+            self.wrenches.insert(identity, ContactWrench::of_force(force));
             self.fresh.insert(identity);
         }
     }
@@ -139,15 +139,16 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let (view, problem) = (&found.view, found.view.problem(&self.share.problem));
         let forces: Vec<(&ContactForce<D>, Contact<D>)> =
             found.projection.forces.iter().map(|force| (force, view.numbered(&force.contact))).collect();
-        let largest = forces.iter().map(|(force, _)| force.force).chain(self.forces.values().map(SVector::norm)).fold(0.0, f64::max);
+        let largest =
+            forces.iter().map(|(force, _)| force.force).chain(self.wrenches.values().map(|wrench| wrench.force.norm())).fold(0.0, f64::max);
         let rounding = CANCELLATION * self.peers.max(largest);
         let is_new = |contact: &Contact<D>| !self.contacts.contains_key(&contact.identity());
         if !self.peers.any(forces.iter().any(|(force, contact)| force.force > rounding && is_new(contact))) {
             return false;
         }
         for (ContactForce { contact: seen, force, .. }, contact) in forces {
-            if let Some(known) = self.forces.get_mut(&contact.identity()) {
-                *known += contact.normal * *force;
+            if let Some(known) = self.wrenches.get_mut(&contact.identity()) {
+                known.force += contact.normal * *force;
             } else if *force > 0.0 || problem.gap_after(seen, &view.velocities) < NEAR * seen.smaller_radius(problem.balls) {
                 self.join(contact, contact.normal * *force);
             }
@@ -159,13 +160,13 @@ impl<'a, const D: usize> Rounds<'a, D> {
     fn solve(&mut self) {
         let seen = self.look(self.contacts.values().copied().collect(), self.share.problem.velocities);
         let Seen { view, masses, twists, contacts } = &seen;
-        let guess = |identity: &Identity<D>| (self.forces[identity], !self.fresh.contains(identity));
+        let guess = |identity: &Identity<D>| (self.wrenches[identity], !self.fresh.contains(identity));
         let shared = Shared { peers: self.peers, view, share: self.share, masses, twists, contacts };
-        let (forces, cost) = shared.solve(self.friction, &guess);
-        self.forces = forces;
+        let (wrenches, cost) = shared.solve(self.friction, &guess);
+        self.wrenches = wrenches;
         self.fresh.clear();
         self.cost = Cost { sweeps: self.cost.sweeps.max(cost.sweeps), iterations: self.cost.iterations.max(cost.iterations) };
-        self.changes = self.changes_of(&seen, &|contact| self.forces[&view.identity(contact)]);
+        self.changes = self.changes_of(&seen, &|contact| self.wrenches[&view.identity(contact)]);
     }
 
     /// How own bodies move with these velocities.
@@ -184,16 +185,17 @@ impl<'a, const D: usize> Rounds<'a, D> {
         Seen { view, masses, twists, contacts }
     }
 
-    /// What forces at contacts change the motions of own bodies by.
-    fn changes_of(&self, Seen { view, masses, contacts, .. }: &Seen<D>, force: &dyn Fn(&Contact<D>) -> SVector<f64, D>) -> Vec<Twist<D>> {
+    /// What wrenches at contacts change the motions of own bodies by.
+    fn changes_of(&self, Seen { view, masses, contacts, .. }: &Seen<D>, wrench: &dyn Fn(&Contact<D>) -> ContactWrench<D>) -> Vec<Twist<D>> {
         let mut changes = vec![Twist::zero(); view.halo.len()];
         for contact in contacts {
-            let (frame, impulse) = (Frame::new(contact, &view.balls), force(contact) * self.share.problem.step);
+            let (step, ContactWrench { force, couple }) = (self.share.problem.step, wrench(contact));
+            let (frame, impulse) = (Frame::new(contact, &view.balls), force * step);
             let tangential = frame.tangential(&frame.components(&impulse));
             let ends = [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, -frame.arms[1])];
             for (body, sign, arm) in ends.into_iter().filter_map(|(body, sign, arm)| body.map(|body| (body, sign, arm))) {
                 changes[body].velocity += impulse * (sign / masses[body][0]);
-                changes[body].spin += frame.torque(&(tangential * sign), arm) / masses[body][1];
+                changes[body].spin += (frame.torque(&(tangential * sign), arm) + couple * (sign * step)) / masses[body][1];
             }
         }
         view.halo.own().iter().map(|&place| changes[place]).collect()
@@ -202,12 +204,12 @@ impl<'a, const D: usize> Rounds<'a, D> {
     fn finish(self, found: ProjectionShare<D>) -> FrictionProjection<D> {
         let spins: Vec<SMatrix<f64, D, D>> =
             self.friction.spins.iter().zip(&self.changes).map(|(spin, change)| spin + change.spin).collect();
-        let forces = self.whole_forces(&found);
-        let seen = self.look(forces.values().map(|(contact, _)| *contact).collect(), &found.projection.velocities);
+        let wrenches = self.whole_wrenches(&found);
+        let seen = self.look(wrenches.values().map(|(contact, _)| *contact).collect(), &found.projection.velocities);
         let ends = seen.view.halo.spread_twists(self.peers, &found.projection.velocities, &spins);
-        let whole = |contact: &Contact<D>| forces[&seen.view.identity(contact)].1;
+        let whole = |contact: &Contact<D>| wrenches[&seen.view.identity(contact)].1;
         let kkt_report = self.certify(&seen, &ends, &whole, &found.projection.kkt_report);
-        let forces = forces.into_values().map(|(contact, force)| {
+        let forces = wrenches.into_values().map(|(contact, ContactWrench { force, .. })| {
             let normal = force.dot(&contact.normal);
             let tangential = if normal > 0.0 { force - contact.normal * normal } else { SVector::zeros() };
             ContactForce { contact, force: normal, tangential }
@@ -215,24 +217,27 @@ impl<'a, const D: usize> Rounds<'a, D> {
         FrictionProjection { velocities: found.projection.velocities, spins, forces: forces.collect(), kkt_report }
     }
 
-    /// Forces of all contacts of own bodies, of bodies by number: those found with friction and the normal ones of the last change.
-    fn whole_forces(&self, found: &ProjectionShare<D>) -> BTreeMap<Identity<D>, (Contact<D>, SVector<f64, D>)> {
-        let mut forces: BTreeMap<Identity<D>, (Contact<D>, SVector<f64, D>)> =
-            self.contacts.iter().map(|(identity, contact)| (*identity, (*contact, self.forces[identity]))).collect();
+    /// Wrenches of all contacts of own bodies, of bodies by number: those found with friction and the normal forces of the last change.
+    fn whole_wrenches(&self, found: &ProjectionShare<D>) -> BTreeMap<Identity<D>, (Contact<D>, ContactWrench<D>)> {
+        let mut wrenches: BTreeMap<Identity<D>, (Contact<D>, ContactWrench<D>)> =
+            self.contacts.iter().map(|(identity, contact)| (*identity, (*contact, self.wrenches[identity]))).collect();
         for force in &found.projection.forces {
             let contact = found.view.numbered(&force.contact);
-            forces.entry(contact.identity()).or_insert((contact, SVector::zeros())).1 += contact.normal * force.force;
+            wrenches.entry(contact.identity()).or_insert((contact, ContactWrench::zero())).1.force += contact.normal * force.force;
         }
-        forces
+        wrenches
     }
 
-    /// How good whole forces and the motions at the end are. Collective.
-    fn certify(&self, seen: &Seen<D>, ends: &[Twist<D>], whole: &dyn Fn(&Contact<D>) -> SVector<f64, D>, found: &KktReport) -> KktReport {
+    /// How good whole wrenches and the motions at the end are. Collective.
+    fn certify(&self, seen: &Seen<D>, ends: &[Twist<D>], whole: &dyn Fn(&Contact<D>) -> ContactWrench<D>, found: &KktReport) -> KktReport {
         let Seen { view, masses, twists, contacts } = seen;
         let (peers, Problem { domain, step, .. }) = (self.peers, self.share.problem);
         let normals: Vec<ContactForce<D>> =
-            contacts.iter().map(|contact| ContactForce::normal(*contact, whole(contact).dot(&contact.normal))).collect();
-        let sides = |contact: &Contact<D>| whole(contact) - contact.normal * whole(contact).dot(&contact.normal);
+            contacts.iter().map(|contact| ContactForce::normal(*contact, whole(contact).force.dot(&contact.normal))).collect();
+        let sides = |contact: &Contact<D>| {
+            let ContactWrench { force, couple } = whole(contact);
+            ContactWrench { force: force - contact.normal * force.dot(&contact.normal), couple }
+        };
         let rubbed = self.changes_of(seen, &sides);
         let wanted: Vec<SVector<f64, D>> =
             self.share.problem.velocities.iter().zip(rubbed).map(|(wanted, change)| wanted + change.velocity).collect();

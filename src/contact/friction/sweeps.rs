@@ -5,6 +5,7 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    bounds::shortened,
     cone::tangential_size,
     link::{Link, NONE},
     program::FrictionProgram,
@@ -65,15 +66,39 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
     fn sweep(&mut self) {
         self.count += 1;
         self.order.shuffle(&mut self.random);
+        if !self.program.bounds.is_empty() {
+            return self.sweep_bounded();
+        }
         for &place in &self.order {
-            alone(&self.program.links[place as usize], &mut self.forces[place as usize], &mut self.motion);
+            let link = &self.program.links[place as usize];
+            alone(link, &mut self.forces[place as usize], &mut self.motion, |without| solution(without, link.friction));
+        }
+    }
+
+    /// The same where something else bounds tangential impulses too: what turns a contact takes its normal impulse as it is.
+    fn sweep_bounded(&mut self) {
+        for &place in &self.order {
+            let place = place as usize;
+            let (limit, leader) = (self.program.limit(place), self.program.leader(place));
+            let of_leader = self.forces[leader][0];
+            alone(&self.program.links[place], &mut self.forces[place], &mut self.motion, |without| {
+                let normal = if leader == place { (-without[0]).max(0.0) } else { of_leader };
+                let mut next = shortened(&without.map(|velocity| -velocity), limit.at(normal));
+                next[0] = if leader == place { normal } else { 0.0 };
+                next
+            });
         }
     }
 }
 
-/// Gives a contact its impulse while all others stay. Without branches: what a contact does is as good as random.
+/// Gives a contact the impulse that solves its problem while all others stay. Without branches: what a contact does is as good as random.
 #[inline]
-fn alone<const D: usize, const W: usize>(link: &Link<D, W>, force: &mut [f64; D], motion: &mut [[f64; W]]) {
+fn alone<const D: usize, const W: usize>(
+    link: &Link<D, W>,
+    force: &mut [f64; D],
+    motion: &mut [[f64; W]],
+    solution: impl Fn(&[f64; D]) -> [f64; D],
+) {
     let nobody = motion.len() - 1;
     let ends = [link.ends[0], if link.ends[1] == NONE { nobody } else { link.ends[1] }];
     let (one, two) = (motion[ends[0]], motion[ends[1]]);
@@ -83,7 +108,7 @@ fn alone<const D: usize, const W: usize>(link: &Link<D, W>, force: &mut [f64; D]
         let entries = link.rows[0][axis].iter().zip(&link.rows[1][axis]).zip(one.iter().zip(&two));
         entries.for_each(|((row, other), (one, two))| *without += row * one + other * two);
     }
-    let next = solution(&without, link.friction);
+    let next = solution(&without);
     for (end, rows) in ends.into_iter().zip(&link.rows) {
         for (axis, row) in rows.iter().enumerate() {
             let change = next[axis] - force[axis];

@@ -6,6 +6,7 @@ use clarabel::algebra::CscMatrix;
 use nalgebra::SVector;
 
 use super::{
+    FrictionLaw,
     cone::TOLERANCE,
     exact::{Found, solve_exactly},
     interior_point::follow,
@@ -47,7 +48,17 @@ impl<const D: usize> Pile<D> {
 
     fn program<const W: usize>(&self, coefficient: f64) -> FrictionProgram<D, W> {
         let Pile { domain, balls, masses, twists, step, contacts } = self;
-        FrictionIsland { domain, balls, masses, twists, step: *step, contacts, coefficients: &vec![coefficient; contacts.len()] }.program()
+        FrictionIsland {
+            domain,
+            balls,
+            masses,
+            twists,
+            step: *step,
+            contacts,
+            laws: &vec![FrictionLaw::plain(coefficient); contacts.len()],
+            duration: *step,
+        }
+        .program()
     }
 
     /// Impulses in units of momentum.
@@ -176,7 +187,7 @@ fn a_rod_of_painleve_has_an_impulse() {
             let rows = [[0.0, 1.0, arm[0] / inertia.sqrt()], [1.0, 0.0, -arm[1] / inertia.sqrt()]];
             let offset = [-0.01, slip];
             let link = Link { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, norms: [1.0; 2] };
-            let program = FrictionProgram { bodies: 1, links: vec![link], unit: 1.0, medium: Rc::new(Medium::none()) };
+            let program = FrictionProgram { bodies: 1, links: vec![link], bounds: Vec::new(), unit: 1.0, medium: Rc::new(Medium::none()) };
             let end = follow(&program, &[[0.0; 2]], (1.0, TOLERANCE));
             assert!(end.residual <= TOLERANCE, "angle {angle}, {part} of the limit, slip {slip}: {:e}", end.residual);
         }

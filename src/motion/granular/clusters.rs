@@ -5,11 +5,11 @@
 
 use std::ops::Range;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use crate::{
-    body::{Halo, Twist, planes},
-    contact::{RIGID, RigidBalls},
+    body::{Halo, Twist, components, planes, skew},
+    contact::{RIGID, RigidBalls, RigidTwists},
     interaction::Cluster,
     mechanics::{State, state::turn},
     motion::clusters::{inertia, moment, spin_of, unit},
@@ -125,6 +125,42 @@ impl<const D: usize> GranularClusters<D> {
         rigid
     }
 
+    /// Puts the motions over the step that the own balls of clusters would have without what contacts change motions by, as far as they answer linearly to
+    /// that, into `linear`, where velocities are `held` now; and tells how the balls move, by number, as [`linear`](Self::linear). Spins were changed when the
+    /// clusters were made. Collective.
+    pub fn linear_twists(
+        &self,
+        peers: Peers,
+        [wanted, changes]: [&[Twist<D>]; 2],
+        (held, masses): (&[SVector<f64, D>], &[f64]),
+        linear: &mut [Twist<D>],
+    ) -> Vec<RigidTwists<D>> {
+        let velocities = [wanted, changes].map(|twists| twists.iter().map(|twist| twist.velocity).collect::<Vec<SVector<f64, D>>>());
+        let velocities = self.spread(peers, [&velocities[0], &velocities[1]]);
+        let spins = spread_matrices(peers, &self.halo, changes.iter().map(|change| change.spin));
+        let (masses, place_of) = (self.halo.spread(peers, masses), self.places_of_own());
+        let mut rigid = Vec::new();
+        for cluster in &self.clusters {
+            let (mass, of_balls) = (masses[cluster.balls.start], cluster.of(&velocities));
+            let (moved, spin) = (cluster.moved(of_balls, self.step, mass), cluster.spun(of_balls, self.step, mass));
+            let balls = || cluster.balls.clone().zip(&moved);
+            let spun: SMatrix<f64, D, D> = spins[cluster.balls.clone()].iter().sum();
+            let turned = Vector3::from_fn(|plane, _| components(&spun).get(plane).copied().unwrap_or(0.0)) * (cluster.own * mass);
+            let pushed: SVector<f64, RIGID> = balls().map(|(place, moved)| moved.transpose() * velocities[1][place] * mass).sum();
+            let unknowns = pushed + spin.transpose() * turned;
+            let whole = cluster.motion(of_balls, self.step).spins[0];
+            let without = whole - skew::<D>((spin * unknowns).as_slice());
+            for (place, moved) in balls() {
+                let velocity = |body: usize| held[body] - moved * unknowns;
+                place_of[place].into_iter().for_each(|body| linear[body] = Twist { velocity: velocity(body), spin: without });
+            }
+            if self.halo.owns(cluster.balls.start) {
+                rigid.push(RigidTwists { balls: balls().map(|(place, moved)| (self.halo.numbers()[place], *moved)).collect(), spin });
+            }
+        }
+        rigid
+    }
+
     /// Velocities, and changes of them, of all bodies that are seen. Collective.
     fn spread(&self, peers: Peers, own: [&[SVector<f64, D>]; 2]) -> [Vec<SVector<f64, D>>; 2] {
         own.map(|own| self.halo.spread_vectors(peers, own))
@@ -193,6 +229,19 @@ impl<const D: usize> RigidCluster<D> {
             moved
         };
         arms.iter().map(moved).collect()
+    }
+}
+
+impl<const D: usize> RigidCluster<D> {
+    /// How they spin for the same unknowns as [`moved`](Self::moved).
+    fn spun(&self, wanted: [&[SVector<f64, D>]; 2], step: f64, mass: f64) -> SMatrix<f64, 3, RIGID> {
+        let arms = self.motion(wanted, step).arms;
+        let turns = inertia(&arms, self.own).l().transpose().try_inverse().expect("an inertia is positive definite");
+        let mut spun = SMatrix::zeros();
+        for (turn, column) in turns.column_iter().enumerate() {
+            column.iter().enumerate().for_each(|(plane, entry)| spun[(plane, D + turn)] = entry / mass.sqrt());
+        }
+        spun
     }
 }
 

@@ -20,9 +20,9 @@ impl<const D: usize> Granular<D> {
     pub(super) fn advance_with_friction(&self, state: &State<D>, wanted: &[Twist<D>], step: f64) -> Result<StepOutcome<D>> {
         let start = Instant::now();
         let coefficient = self.interactions.friction().map_or(0.0, |friction| friction.coefficient);
-        if self.interactions.touch() != Some(Touch::Hard) || self.interactions.tie() {
+        if self.interactions.touch() != Some(Touch::Hard) {
             return Err(Error::refused(format!(
-                "contact.friction = {coefficient}: acts on single balls with contact.model = \"inelastic\" so far; remove it"
+                "contact.friction = {coefficient}: acts with contact.model = \"inelastic\"; set that or remove it"
             )));
         }
         let kept = self.project_with_friction(state, wanted, &self.interactions.surfaces(), step)?;

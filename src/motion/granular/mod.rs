@@ -1,10 +1,12 @@
 //! Bodies without a fluid: contacts and ties, projected on velocities with which nothing overlaps.
 
+mod all_bodies;
 mod chains;
 mod clusters;
 mod friction;
 pub(super) mod migration;
 mod neighbours;
+mod rubbing;
 mod setup;
 mod ties;
 mod together;
@@ -12,7 +14,7 @@ mod velocities;
 
 pub use setup::{GranularBody, GranularSetup};
 
-use std::{ops::Range, time::Instant};
+use std::{borrow::Cow, ops::Range, time::Instant};
 
 use nalgebra::SVector;
 
@@ -238,7 +240,13 @@ impl<const D: usize> Granular<D> {
     }
 
     /// Velocities that keep contacts and ties, next to those wanted.
-    fn keep_apart(&self, state: &State<D>, ties: Option<&mut Ties<D>>, moves: &[Twist<D>], step: f64) -> Result<Kept<D>> {
+    fn keep_apart(
+        &self,
+        state: &State<D>,
+        ties: Option<&mut Ties<D>>,
+        (moves, rubbed): (&[Twist<D>], Option<&[Twist<D>]>),
+        step: f64,
+    ) -> Result<Kept<D>> {
         let lower_bounds = self.lower_bounds(state, step);
         let Some(ties) = ties else {
             let (projection, stuck) = self.project(state, moves, &lower_bounds, step)?;
@@ -247,13 +255,15 @@ impl<const D: usize> Granular<D> {
         let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
         let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
-        let (mut contacts, mut apart) = (Accelerated::new(self.by_last_contacts(state, step)), f64::INFINITY);
+        let guess = if rubbed.is_some() { vec![SVector::zeros(); moves.len()] } else { self.by_last_contacts(state, step) };
+        let (mut contacts, mut apart) = (Accelerated::new(guess), f64::INFINITY);
         let mut together = Together::default();
         for round in 0..MOST_ROUNDS {
             if round > 0 {
                 self.stop.heed(self.session.world(), state.time)?;
             }
-            let tied = ties.hold(peers, &wanted, &contacts.ahead);
+            let changes = with_friction(&contacts.ahead, rubbed);
+            let tied = ties.hold(peers, &wanted, &changes);
             for (body, twist) in target.iter_mut().enumerate() {
                 twist.velocity = tied[body] - contacts.ahead[body];
             }
@@ -262,11 +272,11 @@ impl<const D: usize> Granular<D> {
             let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
             apart = -peers.min(-difference) * step;
             if apart <= AGREEMENT * smallest {
-                return Ok(Kept { projection, stuck, changes: contacts.ahead });
+                return Ok(Kept { projection, stuck, changes: changes.into_owned() });
             }
             together.meet(&projection, &lower_bounds);
             let at_once = if AT_ONCE.contains(&round) {
-                self.changes_at_once((state, step), [&wanted, &contacts.ahead], &tied, (&together, ties))
+                self.changes_at_once((state, step), [&with_friction(&wanted, rubbed), &contacts.ahead], &tied, (&together, ties))
             } else {
                 None
             };
@@ -381,6 +391,14 @@ impl<const D: usize> Granular<D> {
     }
 }
 
+/// Changes, with those by friction if there is any.
+fn with_friction<'a, const D: usize>(changes: &'a [SVector<f64, D>], rubbed: Option<&[Twist<D>]>) -> Cow<'a, [SVector<f64, D>]> {
+    match rubbed {
+        Some(rubbed) => changes.iter().zip(rubbed).map(|(change, rubbed)| change + rubbed.velocity).collect(),
+        None => Cow::Borrowed(changes),
+    }
+}
+
 fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
     moves.iter().map(|twist| twist.velocity).collect()
 }
@@ -436,19 +454,25 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
         let given = self.trajectories.mean_twists(state.time, step);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
-        if self.interactions.friction().is_some() {
+        let rubs = self.interactions.friction().is_some();
+        if rubs && !self.interactions.tie() {
             return self.advance_with_friction(state, &moves, step);
         }
-        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, GranularStep { length: step, push });
+        let length = GranularStep { length: step, push };
+        let rubbing = rubs.then(|| self.rub(state, &moves, length));
+        let rubbed = rubbing.as_ref().map(|rubbing| &rubbing.changes[..]);
+        moves.iter_mut().zip(rubbed.unwrap_or_default()).for_each(|(twist, change)| twist.spin += change.spin);
+        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, length);
         let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
+        let mut pressed = Vec::new();
         let wanted = velocities(&moves);
         let mut changes = vec![SVector::zeros(); moves.len()];
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
-            let kept = self.keep_apart(state, ties.as_mut(), &moves, step)?;
+            let kept = self.keep_apart(state, ties.as_mut(), (&moves, rubbed), step)?;
             let ProjectionShare { projection, view } = kept.projection;
             moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
-            contacts.extend(projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }));
+            pressed = projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }).collect();
             (stuck, changes, kkt_report) = (kept.stuck, kept.changes, Some(projection.kkt_report));
         } else if let Some(ties) = &mut ties {
             moves.iter_mut().zip(ties.hold(self.peers(), &wanted, &changes)).for_each(|(twist, velocity)| twist.velocity = velocity);
@@ -463,6 +487,12 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             self.refuse_missed(state.time, step, &ties)?;
             ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
         }
+        if let Some(rubbing) = &rubbing {
+            let friction = Some(self.friction_report(state, rubbing, &moves, &pressed));
+            kkt_report = kkt_report.map(|report| KktReport { friction, ..report });
+            pressed = rubbing.forces(state, pressed);
+        }
+        contacts.extend(pressed);
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
         Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, shear: state.shear, effort })
     }

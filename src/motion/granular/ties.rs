@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::RigidBalls,
+    contact::{RigidBalls, RigidTwists},
     interaction::Interactions,
     mechanics::State,
     parallel::Peers,
@@ -60,6 +60,20 @@ impl<const D: usize> Ties<D> {
     ) -> (Vec<SVector<f64, D>>, Vec<RigidBalls<D>>) {
         let mut linear = wanted.to_vec();
         let clusters = self.clusters.as_ref().map(|clusters| clusters.linear(peers, [wanted, changes], (held, weights), &mut linear));
+        (linear, clusters.unwrap_or_default())
+    }
+
+    /// The motions of the own bodies over the step without what contacts change them by, of balls of clusters as far as these answer linearly to that, of others
+    /// those wanted; and how the balls of clusters move. Collective.
+    pub fn linear_twists(
+        &self,
+        peers: Peers,
+        wanted: &[Twist<D>],
+        changes: &[Twist<D>],
+        held: (&[SVector<f64, D>], &[f64]),
+    ) -> (Vec<Twist<D>>, Vec<RigidTwists<D>>) {
+        let mut linear = wanted.to_vec();
+        let clusters = self.clusters.as_ref().map(|clusters| clusters.linear_twists(peers, [wanted, changes], held, &mut linear));
         (linear, clusters.unwrap_or_default())
     }
 

@@ -10,8 +10,8 @@ use super::ties::Ties;
 use crate::{
     body::{RigidFunctional, Row},
     contact::{
-        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, TiedContact, TiedProblem, bodies_of, pack, packed_length,
-        renamed, unpack,
+        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, RigidTwists, TiedContact, TiedProblem, bodies_of, pack,
+        packed_length, renamed, unpack,
     },
     geometry::{Ball, Domain},
     parallel::Peers,
@@ -131,7 +131,7 @@ impl<const D: usize> Gathered<D> {
 }
 
 /// The ties of all ranks, which turn no body, in the order of their bodies. Collective.
-fn gathered_ties<const D: usize>(peers: Peers, own: &[Row<D>]) -> Vec<Row<D>> {
+pub(super) fn gathered_ties<const D: usize>(peers: Peers, own: &[Row<D>]) -> Vec<Row<D>> {
     let mut letters = Vec::new();
     for tie in own {
         letters.extend([tie.ends.len() as f64, tie.rate, tie.compliance]);
@@ -149,6 +149,28 @@ fn gathered_ties<const D: usize>(peers: Peers, own: &[Row<D>]) -> Vec<Row<D>> {
     // stable: rows of a chain come from one rank and keep their order
     ties.sort_by_key(|tie| tie.ends.iter().map(|end| end.0).max());
     ties
+}
+
+/// How the clusters of all ranks move, in the order of their balls. Collective.
+pub(super) fn gathered_rigid_twists<const D: usize>(peers: Peers, own: &[RigidTwists<D>]) -> Vec<RigidTwists<D>> {
+    let mut letters = Vec::new();
+    for RigidTwists { balls, spin } in own {
+        letters.push(balls.len() as f64);
+        letters.extend(spin.iter());
+        balls.iter().for_each(|(number, moved)| letters.extend([*number as f64].iter().chain(moved.iter())));
+    }
+    let letters = peers.gather(&letters);
+    let (mut clusters, mut rest) = (Vec::new(), &letters[..]);
+    while let [count, numbers @ ..] = rest {
+        let (spin, numbers) = numbers.split_at(3 * RIGID);
+        let (balls, next) = numbers.split_at(*count as usize * (1 + D * RIGID));
+        let ball = |ball: &[f64]| (ball[0] as usize, SMatrix::from_column_slice(&ball[1..]));
+        let balls = balls.chunks(1 + D * RIGID).map(ball).collect();
+        clusters.push(RigidTwists { balls, spin: SMatrix::from_column_slice(spin) });
+        rest = next;
+    }
+    clusters.sort_by_key(|cluster: &RigidTwists<D>| cluster.balls[0].0);
+    clusters
 }
 
 /// The clusters of all ranks, in the order of their balls. Collective.

@@ -74,6 +74,6 @@ fn projected<const D: usize>(view: &View<D>) -> Option<Option<KktReport>> {
 
 /// How friction was kept, where there is friction.
 fn slid<const D: usize>(view: &View<D>) -> Option<FrictionReport> {
-    view.motion.filter(|_| view.scene.contact.friction != 0.0)?;
+    view.motion.filter(|_| view.scene.contact.friction.coefficient != 0.0)?;
     Some(kept(view).and_then(|kept| kept.friction).unwrap_or_default())
 }

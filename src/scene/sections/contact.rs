@@ -1,5 +1,6 @@
 //! What happens between bodies of a scene that are close.
 
+use crate::contact::FrictionLaw;
 use crate::error::Result;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
@@ -21,14 +22,14 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         "friction",
         "number or table",
         "0.5",
-        "Coefficient of Coulomb friction of all surfaces for which no other is given, or { coefficient = 0.5 }: the largest tangential force of a contact over \
-        the normal force. Of surfaces that differ the smaller coefficient counts.",
+        "Coefficient of Coulomb friction of all surfaces for which no other is given, the largest tangential force of a contact over the normal force, or \
+        { coefficient = 0.5, rolling = 0.1, twisting = 0.05, critical_load = 1.0 }. Of surfaces that differ the smaller numbers count.",
     )
     .unit("ratio")
     .default("0")
     .range("at least 0")
     .needs("time.end = 1.0; contact.model = \"inelastic\""),
-    Key::new("wall_friction", "number", "0.3", "Coefficient of friction of walls; of a contact the smaller coefficient of its two surfaces counts.")
+    Key::new("wall_friction", "number or table", "0.3", "Friction of walls, as `contact.friction`; of a contact the smaller numbers of its two surfaces count.")
         .unit("ratio")
         .default("that of `contact.friction`")
         .range("at least 0")
@@ -62,22 +63,48 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
 ];
 
 /// Keys of `contact.friction`.
-pub(in crate::scene) const FRICTION_KEYS: [Key; 1] =
-    [Key::new("coefficient", "number", "0.5", "Largest tangential force of a contact over its normal force.")
+pub(in crate::scene) const FRICTION_KEYS: [Key; 4] = [
+    Key::new("coefficient", "number", "0.5", "Largest tangential force of a contact over its normal force.")
         .unit("ratio")
         .default("required")
         .range("at least 0")
-        .needs("time.end = 1.0; contact.model = \"inelastic\"")];
+        .needs(INELASTIC),
+    Key::new(
+        "rolling",
+        "number",
+        "0.1",
+        "Largest couple of a contact against rolling, over the normal force times the reduced radius (at a wall the radius of the body): a ball \
+        rests on slopes up to this tangent. In dry runs.",
+    )
+    .unit("ratio")
+    .default("0")
+    .range("at least 0")
+    .needs(DRY_AND_RUBBING),
+    Key::new("twisting", "number", "0.05", "The same of the couple against spin about the normal, in three dimensions.")
+        .unit("ratio")
+        .default("0")
+        .range("at least 0")
+        .needs(DRY_AND_TWISTING),
+    Key::new("critical_load", "number", "1.0", "Normal force up to which a contact does not rub: of greater ones the excess counts.")
+        .unit("force")
+        .default("0")
+        .range("at least 0")
+        .needs("time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5"),
+];
+
+const INELASTIC: &str = "time.end = 1.0; contact.model = \"inelastic\"";
+const DRY_AND_RUBBING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; flow.model = \"none\"";
+const DRY_AND_TWISTING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; flow.model = \"none\"; domain.size = [8.0, 8.0, 8.0]";
 
 /// What happens between bodies that touch.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactSection {
     /// The law of contact.
     pub model: ContactModel,
-    /// Coefficient of friction of all surfaces for which no other is given; 0 without friction.
-    pub friction: f64,
-    /// Coefficient of friction of walls, if it is another.
-    pub wall_friction: Option<f64>,
+    /// Friction of all surfaces for which no other is given; of coefficient 0 without friction.
+    pub friction: FrictionLaw,
+    /// Friction of walls, if it is another.
+    pub wall_friction: Option<FrictionLaw>,
     /// Gap at which bodies in a fluid touch, over the mean of their radii, if it is given.
     pub roughness: Option<f64>,
 }
@@ -135,15 +162,15 @@ impl ContactSection {
             ("gluey", ContactModel::Gluey { gamma_min }),
         ];
         let model = table.get("model").map_or(Ok(ContactSection::default().model), |entry| entry.choice(&models, &[]))?;
-        let friction = table.get("friction").map_or(Ok(0.0), |entry| friction(&entry))?;
+        let friction = table.get("friction").map_or(Ok(FrictionLaw::default()), |entry| friction(&entry))?;
         for (key, law) in OF_ONE_LAW.into_iter().filter(|(_, law)| *law != model.word()) {
             // no friction is none by any law
-            if let Some(entry) = table.get(key).filter(|_| key != "friction" || friction > 0.0) {
+            if let Some(entry) = table.get(key).filter(|_| key != "friction" || friction.coefficient > 0.0) {
                 return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
             }
         }
         let roughness = table.get("roughness").map(|entry| roughness(&entry)).transpose()?;
-        let wall_friction = table.get("wall_friction").map(|entry| entry.not_negative()).transpose()?;
+        let wall_friction = table.get("wall_friction").map(|entry| self::friction(&entry)).transpose()?;
         Ok(ContactSection { model, friction, wall_friction, roughness })
     }
 }
@@ -165,11 +192,19 @@ impl ContactModel {
     }
 }
 
-fn friction(entry: &Entry) -> Result<f64> {
-    if entry.value.is_inline_table() {
-        return Table::of(entry, &FRICTION_KEYS)?.require("coefficient", "0.5")?.not_negative();
+/// Friction of surfaces: a coefficient, or a table.
+pub(in crate::scene) fn friction(entry: &Entry) -> Result<FrictionLaw> {
+    if !entry.value.is_inline_table() {
+        return Ok(FrictionLaw::plain(entry.not_negative()?));
     }
-    entry.not_negative()
+    let table = Table::of(entry, &FRICTION_KEYS)?;
+    let coefficient = table.require("coefficient", "0.5")?.not_negative()?;
+    let other = |key: &str| {
+        let Some(entry) = table.get(key) else { return Ok(0.0) };
+        let number = entry.not_negative()?;
+        entry.expect(number, number == 0.0 || coefficient > 0.0, "surfaces of coefficient 0 do not rub; give coefficient, or remove it")
+    };
+    Ok(FrictionLaw { coefficient, rolling: other("rolling")?, twisting: other("twisting")?, critical_load: other("critical_load")? })
 }
 
 fn roughness(entry: &Entry) -> Result<f64> {
