@@ -89,6 +89,8 @@ pub struct State<const D: usize> {
     pub held: Vec<ContactHistory<D>>,
     /// Contacts of these bodies that stick; none unless contacts are gluey.
     pub stuck: Vec<AdhesiveContact<D>>,
+    /// Velocities that carried these bodies over the last step, by which the next one tells how far it erred; none but in Stokes flow.
+    pub carried: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Moving<D> {
@@ -149,7 +151,7 @@ impl<const D: usize> State<D> {
     pub fn start(bodies: impl Iterator<Item = (SVector<f64, D>, Twist<D>)>) -> State<D> {
         let moving = |(center, twist)| Moving { center, rotation: SMatrix::identity(), twist };
         let bodies = bodies.map(moving).collect();
-        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held: Vec::new(), stuck: Vec::new() }
+        State { time: 0.0, steps: 0, last_step: 0.0, share: Share::Whole, bodies, held: Vec::new(), stuck: Vec::new(), carried: Vec::new() }
     }
 
     /// How many bodies all ranks have.

@@ -6,7 +6,7 @@ use super::{
     given_motions::GivenStep,
     granular::{Granular, GranularSetup, migration::own_part},
     longest_step::longest_step_in_flow,
-    quasi_static::QuasiStatic,
+    quasi_static::{QuasiStatic, velocities},
     shift_period::ShiftPeriod,
     step_control::StepControl,
     stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
@@ -116,6 +116,7 @@ impl<const D: usize> Simulation<D> {
             bodies: self.gathered(&state.bodies, 0..state.count()).into_iter().map(|(body, _)| body).collect(),
             held: state.all_held(world),
             stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
+            carried: Vec::new(),
             ..*state
         })
     }
@@ -335,6 +336,10 @@ impl<const D: usize> Simulation<D> {
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         self.state.stuck = travel.stuck;
+        self.state.carried = match self.suspension() {
+            Some(flow) if flow.evolution().is_none() => velocities(&travel.moves),
+            _ => Vec::new(),
+        };
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // bodies of given motion by the time: sums of steps drift away
