@@ -43,7 +43,8 @@ pub fn time_of_travel<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], vel
 /// not.
 pub fn accurate_step<const D: usize>(errors: &[(SVector<f64, D>, f64)], last_step: f64, error: f64) -> f64 {
     let squares: Vec<f64> = errors.iter().map(|(error, radius)| error.norm_squared() / radius.powi(2)).collect();
-    let mean = (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
+    // a sum of nothing is -0
+    let mean = (squares.iter().fold(0.0, |sum, square| sum + square) / squares.len().max(1) as f64).sqrt();
     let worst = squares.iter().copied().fold(0.0, f64::max).sqrt();
     last_step * (error / mean.max(worst / WORST)).cbrt()
 }
@@ -111,6 +112,7 @@ mod tests {
         let errors = vec![(vector![0.08, 0.0], 1.0); 4];
         assert!((accurate_step(&errors, 0.05, 0.01) - 0.025).abs() < 1e-12);
         assert_eq!(accurate_step(&[(vector![0.0, 0.0], 1.0)], 0.05, 0.01), f64::INFINITY);
+        assert_eq!(accurate_step::<2>(&[], 0.05, 0.01), f64::INFINITY);
         // one of many
         let mut errors = vec![(vector![0.0, 0.0], 1.0); 10_000];
         errors[7].0 = vector![0.8, 0.0];
