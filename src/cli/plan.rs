@@ -24,7 +24,7 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path, ran
             let time = time(scene, &plan)?;
             (plan, time)
         }
-        Some(accuracy) => match run::cached(world, folder, scene) {
+        Some(accuracy) => match run::cached(world, folder, scene, false) {
             Some(calibration) => {
                 let resolved = calibration.resolved(scene);
                 let plan = of(&resolved)?.with_choice(chosen(&calibration));

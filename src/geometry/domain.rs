@@ -175,6 +175,13 @@ impl<const D: usize> Domain<D> {
         self.at(time)
     }
 
+    /// By how much the mean of the shear rates now and an interval ago misses the mean over the interval, where images slide at a speed that changes.
+    pub fn error_of_rates(&self, interval: f64) -> f64 {
+        let Some(LeesEdwards { protocol, time, .. }) = self.slide().filter(|slide| !slide.protocol.steady()) else { return 0.0 };
+        let before = time - interval;
+        (0.5 * (protocol.rate(time) + protocol.rate(before)) - protocol.mean_rate(before, interval)) / self.size[1]
+    }
+
     /// The shear rate over time that images or moving walls impose, where it changes.
     pub fn protocol(&self) -> Option<Protocol> {
         let of_axis = |(axis, size): (&Axis<D>, &f64)| match axis {

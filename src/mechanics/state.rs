@@ -100,6 +100,8 @@ pub struct State<const D: usize> {
     pub held: Vec<ContactHistory<D>>,
     /// Contacts of these bodies that stick; none unless contacts are gluey.
     pub stuck: Vec<AdhesiveContact<D>>,
+    /// Velocities that carried these bodies over the last step, by which the next one tells how far it erred; none but in Stokes flow.
+    pub carried: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Moving<D> {
@@ -169,6 +171,7 @@ impl<const D: usize> State<D> {
             bodies,
             held: Vec::new(),
             stuck: Vec::new(),
+            carried: Vec::new(),
         }
     }
 

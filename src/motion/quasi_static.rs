@@ -212,23 +212,31 @@ impl<const D: usize> QuasiStatic<D> {
         deviatoric.iter().zip(&self.radii).map(|(velocity, radius)| radius / velocity.norm()).fold(f64::INFINITY, f64::min)
     }
 
-    /// The longest step in which free bodies err by what they may.
-    fn accurate_step(&self, state: &State<D>, twists: &[Twist<D>]) -> f64 {
-        if self.last_step(state) == 0.0 || self.evolves() {
+    /// The longest step in which free bodies err by what they may, by how far the last one led from the trapezoidal rule.
+    fn accurate_step(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
+        let state = placed.state;
+        if state.carried.is_empty() || self.last_step(state) == 0.0 {
             return f64::INFINITY;
         }
-        let bodies = self.suspension.setup().bodies.iter().zip(&state.bodies).zip(twists).zip(&self.radii);
-        let free = bodies.filter(|(((suspended, _), _), _)| suspended.body.free());
-        let changes: Vec<(SVector<f64, D>, f64)> =
-            free.map(|(((_, last), twist), &radius)| (twist.velocity - last.twist.velocity, radius)).collect();
-        accurate_step(&changes, state.last_step, self.step_control.time.error)
+        let followed = placed.domain.error_of_rates(state.last_step);
+        let bodies = self.suspension.setup().bodies.iter().zip(&self.radii);
+        let ways = state.bodies.iter().zip(twists).zip(&state.carried);
+        let error = |((last, now), carried): ((&Moving<D>, &Twist<D>), &SVector<f64, D>)| {
+            let mut velocity = (last.twist.velocity + now.velocity) * 0.5 - carried;
+            // what goes along with images does so exactly
+            velocity[0] -= followed * last.center[1];
+            velocity * state.last_step
+        };
+        let free = bodies.zip(ways).filter(|((suspended, _), _)| suspended.body.free());
+        let errors: Vec<(SVector<f64, D>, f64)> = free.map(|((_, &radius), way)| (error(way), radius)).collect();
+        accurate_step(&errors, state.last_step, self.step_control.time.error)
     }
 
     /// The step to take with these motions and forces.
     pub(super) fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
         let (state, travel) = (placed.state, self.step_control.time.travel);
         let first = if self.last_step(state) == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
-        let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(state, twists));
+        let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(placed, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
         let stable = self.suspension.evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(pushes))?;
         let stable = stable.min(given).min(moved);

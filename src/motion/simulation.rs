@@ -6,7 +6,7 @@ use super::{
     given_motions::GivenStep,
     granular::{Granular, GranularSetup, migration::own_part},
     longest_step::{longest_step_in_flow, longest_step_of_protocol},
-    quasi_static::QuasiStatic,
+    quasi_static::{QuasiStatic, velocities},
     shift_period::ShiftPeriod,
     step_control::StepControl,
     stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
@@ -117,6 +117,7 @@ impl<const D: usize> Simulation<D> {
             bodies: self.gathered(&state.bodies, 0..state.count()).into_iter().map(|(body, _)| body).collect(),
             held: state.all_held(world),
             stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
+            carried: Vec::new(),
             ..*state
         })
     }
@@ -343,6 +344,10 @@ impl<const D: usize> Simulation<D> {
         self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
         self.state.stuck = travel.stuck;
         self.state.shear = travel.shear;
+        self.state.carried = match self.suspension() {
+            Some(flow) if flow.evolution().is_none() => velocities(&travel.moves),
+            _ => Vec::new(),
+        };
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // bodies of given motion by the time: sums of steps drift away

@@ -27,7 +27,8 @@ mod view;
 mod viscosity;
 
 pub use calibration::{
-    Calibration, CalibrationAnswer, Estimate, EstimatedQuantity, RefinementLevel, RefinementSequence, Solved, cached, coarsest,
+    Calibration, CalibrationAnswer, Estimate, EstimatedQuantity, RefinementLevel, RefinementSequence, STEADY, Solved, cached, coarsest,
+    refine_whole_runs, still_to_come, unresolved,
 };
 pub use column::{Number, SeriesColumn, SeriesEntry};
 pub use command::command;

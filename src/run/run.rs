@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{
-    calibration::{self, Calibrated, RefinementSequence, Solved},
+    calibration::{self, Calibrated, RefinementSequence, Solved, refine_whole_runs},
     column::SeriesEntry,
     finished::Finished,
     folder::RunFolder,
@@ -30,7 +30,7 @@ use crate::{
     parallel::World,
     petsc::{Session, Stage, enter},
     plan::flow_solver,
-    scene::Scene,
+    scene::{FlowModel, Scene},
 };
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.
@@ -470,19 +470,23 @@ fn calibrate<const D: usize>(
 ) -> Result<(Option<Calibrated>, Option<Solved<D>>)> {
     let world = session.world();
     let path = folder.as_ref().map(|folder| folder.path().to_owned());
-    if let Some(calibration) = path.as_deref().and_then(|path| calibration::cached(world, path, scene)) {
+    if let Some(calibration) = path.as_deref().and_then(|path| calibration::cached(world, path, scene, !from_start)) {
         return Ok((Some(Calibrated { calibration, cached: true }), None));
     }
-    let sequence = RefinementSequence::<D>::begin(session, scene)?;
+    let inertia = scene.flow.model == FlowModel::NavierStokes;
+    let sequence = if inertia { None } else { Some(RefinementSequence::<D>::begin(session, scene)?) };
     if let (Some(folder), true) = (folder, from_start) {
         folder.claim(scene)?;
     }
-    let (calibration, solved) = sequence.refine_until_met()?;
+    let (calibration, solved) = match sequence {
+        Some(sequence) => sequence.refine_until_met().map(|(calibration, solved)| (calibration, Some(solved)))?,
+        None => (refine_whole_runs::<D>(session, scene)?, None),
+    };
     let calibrated = Calibrated { calibration, cached: false };
     if let Some(path) = path {
         calibrated.keep(world, &path, scene)?;
     }
-    Ok((Some(calibrated), Some(solved)))
+    Ok((Some(calibrated), solved))
 }
 
 /// A run that goes on cannot end before it does.

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::scene::entry::Entry;
 use crate::scene::sections::RESOLUTION_KEYS;
 use crate::scene::table::Table;
-use crate::scene::{ConstraintMethod, FlowModel, Scene, Tolerance};
+use crate::scene::{BodyGroup, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Step, Tolerance};
 
 /// The accuracies that can be asked for: the tightest and the loosest.
 const RANGE: [f64; 2] = [1e-5, 0.5];
@@ -17,11 +17,9 @@ pub(super) fn read(entry: &Entry, root: &Table, model: FlowModel) -> Result<f64>
     let accuracy = entry.number()?;
     let [tightest, loosest] = RANGE;
     entry.expect((), (tightest..=loosest).contains(&accuracy), &format!("must be at least {tightest:e} and at most {loosest}"))?;
-    let remedy = "is met in Stokes flow only; give [resolution] instead, and turbid cost tells the error of each";
-    entry.expect((), model != FlowModel::NavierStokes, remedy)?;
     entry.expect(
         (),
-        model == FlowModel::Stokes,
+        matches!(model, FlowModel::Stokes | FlowModel::NavierStokes),
         "is that of drag and viscosity, which only a flow (flow.model = \"stokes\") has; remove it",
     )?;
     let resolution = root.section("resolution", &RESOLUTION_KEYS)?;
@@ -43,6 +41,9 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         let remedy = format!("is met by method.constraint = \"sharp\" only, not by {word:?}; give [resolution] instead");
         return Err(scene.refuse("accuracy", accuracy, &remedy));
     }
+    if scene.flow.model == FlowModel::NavierStokes {
+        check_inertia(scene, accuracy)?;
+    }
     match scene.method.tolerance {
         Tolerance::Fixed(tolerance) if tolerance > accuracy / ACCURACY_PER_TOLERANCE => {
             let remedy = format!("is too loose for accuracy = {accuracy}; at most {:e}, or remove it", accuracy / ACCURACY_PER_TOLERANCE);
@@ -50,4 +51,32 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses runs with inertia whose ends do not answer on finer and finer grids to what the start asks: met is that of forces on bodies which stay where they are in flows that
+/// become steady, and of how fast free bodies come to be that settle apart.
+fn check_inertia(scene: &Scene, accuracy: f64) -> Result<()> {
+    let refuse = |remedy: &str| Err(scene.refuse("accuracy", accuracy, remedy));
+    let Some(time) = &scene.time else { return Ok(()) };
+    if time.until.is_some() {
+        return refuse("is met at time.end with inertia, and time.until ends runs before; remove one of them");
+    }
+    if time.step != Step::Auto {
+        return refuse("is met with inertia by automatic steps, which follow the grid; remove time.step");
+    }
+    if matches!(scene.flow.drive, Some(Drive::ShearRate(_) | Drive::ShearedBox(_))) {
+        return refuse("is not met with inertia in a sheared box, whose answers are means over time; give [resolution] instead");
+    }
+    if let Some(group) = scene.bodies.iter().find(|group| group.motion != Motion::Free && !group.stays()) {
+        let remedy =
+            format!("is not met with inertia by bodies that move as told (motion of radius {}); give [resolution] instead", group.radius);
+        return refuse(&remedy);
+    }
+    let free = scene.bodies.iter().filter(|group| group.motion == Motion::Free).map(BodyGroup::at_least).sum::<usize>();
+    if free > 1 && scene.contact.model != ContactModel::None {
+        return refuse(
+            "is not met with inertia by free bodies that touch, which go ways that differ from grid to grid by more than any error; give [resolution] instead",
+        );
+    }
+    Ok(())
 }

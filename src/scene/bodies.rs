@@ -141,6 +141,24 @@ pub(super) fn read_clusters(root: &Table, folder: &Path, dimension: usize) -> Re
 }
 
 impl BodyGroup {
+    /// Whether its bodies keep their places: they may spin there.
+    pub fn stays(&self) -> bool {
+        match &self.motion {
+            Motion::Fixed => true,
+            Motion::Prescribed { velocity, .. } => velocity.iter().all(|component| *component == 0.0),
+            _ => false,
+        }
+    }
+
+    /// How many things that move as one it has; two where only a table or a fraction tells.
+    pub fn at_least(&self) -> usize {
+        match &self.placement {
+            Placement::Count(count) => *count,
+            Placement::Centers(centers) => centers.len(),
+            Placement::Fraction(_) | Placement::File(_) => 2,
+        }
+    }
+
     /// Balls of this radius, free and as dense as a fluid of density 1.
     pub fn new(radius: f64, placement: Placement) -> Self {
         let (shape, gap, density, motion) = (Shape::Ball, 0.05, 1.0, Motion::Free);

@@ -26,11 +26,11 @@ pub(super) const KEYS: [Key; 16] = [
         "number",
         "1e-2",
         "Relative error that drag and viscosity may have: the run chooses grid and modes itself, and attaches \
-        error bars. It takes the place of [resolution].",
+        error bars. It takes the place of [resolution]. With inertia it is that of forces on bodies which stay where they are, in a flow that is \
+        steady at time.end, and of the largest velocities of free bodies that do not touch.",
     )
     .unit("ratio")
-    .range("1e-5 to 0.5")
-    .needs("flow.model = \"stokes\""),
+    .range("1e-5 to 0.5"),
     Key::new("domain", "table", "{ size = [8.0, 8.0], y = \"walls\" }", "The box.").default("required"),
     Key::new("flow", "table", "{ viscosity = 2.0 }", "The fluid and what drives it.").default("Stokes flow of viscosity 1"),
     Key::new("resolution", "table", "{ cells_per_radius = 6 }", "How fine the grid and the multipliers are.")
@@ -402,7 +402,7 @@ scheme = "midpoint"
         assert_eq!((&scene.bodies[0].velocity, &scene.bodies[0].spin), (&Some(vec![1.0, 0.0]), &Some(vec![-2.0])));
         assert_eq!(
             scene.time,
-            Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, error: 6.25e-3, until: None })
+            Some(TimeSection { step: Step::Auto, end: 2.0, scheme: Scheme::Midpoint, travel: 0.25, error: 4.6875e-3, until: None })
         );
     }
 
@@ -411,7 +411,7 @@ scheme = "midpoint"
         let scene = parse(&format!("{FLAT}[time]\nend = 3"));
         assert_eq!(
             scene.time,
-            Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None })
+            Some(TimeSection { step: Step::Auto, end: 3.0, scheme: Scheme::TwoStep, travel: 0.1, error: 3e-4, until: None })
         );
         assert_eq!(scene.output, OutputSection { picture: false, ..OutputSection::default() });
         let text = format!("{FLAT}every = 5\nfields = false\ncheckpoint = 0\nprobe = 16\n[time]\nend = 3\nstep = 3\nscheme = \"euler\"");

@@ -5,8 +5,9 @@ use std::{f64::consts::PI, path::Path};
 use turbid::{
     error::Error,
     mechanics::{Setup, Suspension},
+    motion::Simulation,
     petsc::Session,
-    run::{EstimatedQuantity, RefinementSequence},
+    run::{EstimatedQuantity, Finished, Options, RefinementSequence, complete, refine_whole_runs},
     scene::Scene,
     validation::{KnownScene, known_scenes, random_scene},
 };
@@ -23,6 +24,9 @@ pub fn tests() -> Vec<Test> {
         Test::of(spheres_with_films_have_a_mode_a_cell_and_disks_fewer),
         Test::of(a_tighter_accuracy_takes_a_finer_grid),
         Test::of(an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached),
+        Test::only_on(1, a_steady_flow_with_inertia_lies_inside_its_bar),
+        Test::only_on(1, a_disk_that_settles_lies_inside_its_bar),
+        Test::of(a_flow_that_is_not_steady_at_the_end_has_no_accuracy),
     ]
 }
 
@@ -122,6 +126,59 @@ fn an_accuracy_out_of_reach_is_refused_with_the_error_that_was_reached(session: 
         panic!("not refused")
     };
     for part in ["disk.toml:1: accuracy = 0.00001: cannot be met", "drag is known to", "96 cells per radius", "ask for less"] {
+        assert!(refusal.to_string().contains(part), "no {part:?} in {refusal}");
+    }
+}
+
+/// The fixed disk of a square array at Re 20: 58.914 is the mean pressure gradient over viscosity, by spectral elements.
+fn array(end: &str) -> Scene {
+    let radius = (0.2 / PI).sqrt();
+    let text = format!(
+        "accuracy = 1e-2\ndomain.size = [1.0, 1.0]\n\
+         flow = {{ model = \"navier-stokes\", viscosity = {:?}, density = 1.0, drive = {{ mean_velocity = [1.0, 0.0] }} }}\n\
+         method.inverse = \"transform\"\nbodies = [{{ radius = {radius:?}, centers = [[0.521, 0.5104]], motion = \"fixed\" }}]\ntime.end = {end}\n",
+        0.1 * radius
+    );
+    Scene::parse("array", Path::new("."), &text, &[]).unwrap()
+}
+
+fn a_steady_flow_with_inertia_lies_inside_its_bar(session: &Session) {
+    let Finished { summary, .. } = complete::<2>(session, &array("4.0"), None, Options::default()).unwrap();
+    let accuracy = summary.accuracy.unwrap();
+    let estimated = accuracy.estimated.drag.unwrap();
+    let found = summary.flow.unwrap().pressure_gradient[0].abs() / (0.1 * (0.2 / PI).sqrt());
+    let error = (found / 58.914 - 1.0).abs();
+    assert!(error <= estimated && estimated <= 1e-2, "{error:e} {estimated:e} on {:?}", accuracy.calibrated_on);
+    assert!(accuracy.calibrated_on.len() >= 3 && accuracy.drag.is_some(), "{:?}", accuracy.calibrated_on);
+}
+
+/// The settling disk of Glowinski et al. (2001) up to t = 0.1, when a mesh that fits it has a speed of 4.0547.
+fn a_disk_that_settles_lies_inside_its_bar(session: &Session) {
+    let text = "accuracy = 2e-2\ngravity = [0.0, -980.0]\ndomain = { size = [2.0, 6.0], x = \"walls\", y = \"walls\" }\n\
+                flow = { model = \"navier-stokes\", viscosity = 0.1, density = 1.0 }\n\
+                bodies = [{ radius = 0.125, centers = [[1.0, 4.0]], density = 1.25 }]\ntime.end = 0.1\n";
+    let scene = Scene::parse("settling", Path::new("."), text, &[]).unwrap();
+    let calibration = refine_whole_runs::<2>(session, &scene).unwrap();
+    let [estimate] = calibration.estimates[..] else { panic!("{:?}", calibration.estimates) };
+    let mut simulation = Simulation::<2>::new(session, &calibration.resolved(&scene)).unwrap();
+    let speed = loop {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        if simulation.over() {
+            break -observation.twists[0].velocity[1];
+        }
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    };
+    let error = (speed / 4.0547 - 1.0).abs();
+    assert!(
+        estimate.quantity == EstimatedQuantity::Velocity && error <= estimate.error && estimate.error <= 2e-2,
+        "{error:e} {estimate:?}"
+    );
+}
+
+/// After a tenth of the time the drag still falls.
+fn a_flow_that_is_not_steady_at_the_end_has_no_accuracy(session: &Session) {
+    let Err(Error::Refused(refusal)) = refine_whole_runs::<2>(session, &array("0.2")) else { panic!("not refused") };
+    for part in ["array.toml:1: accuracy = 0.01: is that of a steady flow", "time.end = 0.2", "set a later end"] {
         assert!(refusal.to_string().contains(part), "no {part:?} in {refusal}");
     }
 }

@@ -6,6 +6,7 @@
 
 mod convected;
 mod damping;
+mod inside;
 mod longest;
 mod memory;
 mod momentum;

@@ -8,6 +8,8 @@
 //!
 //! on the faces between `i` and `i + 1` divergences are of fourth order. The second part is known from earlier flows, extended into bodies. Faces within two cells of a
 //! surface as it is at the end of the step have it, if one side of them at least lies outside; rows on either side take it with opposite signs, so that none of it is a force.
+//! Nor is it a torque: of the symmetric stress `mu (du_c/dx_a + du_a/dx_c)` the parts on a corner push rows of both components. The second one has no divergence
+//! where the flow has none, but without it what begins and ends with the band turned bodies.
 
 use nalgebra::SVector;
 
@@ -27,10 +29,13 @@ const BAND: f64 = 2.0;
 /// Weights of the values in a row around a face in its third difference.
 const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
 
-/// A face at the edge of what this rank has: rows beside it that are its own, their axis, and the first of the four values around it among those fetched.
+/// Places of the four values along the axis of a face of a component around it, and of the four along the component that have the other part of its stress.
+type Around = [[usize; 4]; 2];
+
+/// A face at the edge of what this rank has: rows beside it that are its own, its factor, and the first of the eight values around it among those fetched.
 struct EdgeFace {
     rows: [Option<usize>; 2],
-    axis: usize,
+    factors: [f64; 2],
     first: usize,
 }
 
@@ -42,7 +47,6 @@ pub fn viscous_defect<const D: usize>(
     extended: &Vector,
 ) -> Result<Vector> {
     let (gaps, near) = gaps(grid, body_types, centers, extended)?;
-    let factors = grid.spacing().map(|spacing| 1.0 / (12.0 * spacing * spacing));
     let (mut edges, mut wanted) = (Vec::new(), Vec::new());
     let mut defect = extended.like()?;
     let mut rows = defect.local_mut()?;
@@ -50,34 +54,81 @@ pub fn viscous_defect<const D: usize>(
         let (own, gaps) = (extended.local()?, gaps.local()?);
         let blocks: [Block<D>; D] = std::array::from_fn(|component| grid.block(component));
         for (place, component) in near {
-            let block = &blocks[component];
-            let index = block.index(place - grid.local_range(component).start);
+            let index = blocks[component].index(place - grid.local_range(component).start);
             for axis in 0..D {
-                let stride: usize = (axis + 1..D).map(|axis| block.end[axis] - block.start[axis]).product();
-                if index[axis] > block.start[axis] && index[axis] + 2 < block.end[axis] {
-                    if of_fourth_order(gaps[place], gaps[place + stride]) {
-                        let around = [place - stride, place, place + stride, place + 2 * stride];
-                        let flux = factors[axis] * third_difference(around.map(|place| own[place]));
-                        rows[place] -= flux;
-                        rows[place + stride] += flux;
-                    }
+                let factors = factors(grid, component, axis);
+                let Some(around) = local_around(grid, &blocks, component, (index, axis)) else {
+                    edge_faces(grid, component, (signed(index), axis), extended, (&mut edges, &mut wanted))?;
                     continue;
+                };
+                if of_fourth_order(around.map(|around| around.map(|place| gaps[place]))) {
+                    let flux = flux(factors, around.map(|around| around.map(|place| own[place])));
+                    rows[around[0][1]] -= flux;
+                    rows[around[0][2]] += flux;
                 }
-                edge_faces(grid, component, (signed(index), axis), extended, (&mut edges, &mut wanted))?;
             }
         }
     }
     let mut fetched = Scatter::new(extended, &wanted)?;
     let (velocities, gaps) = (fetched.fetch(extended)?.to_vec(), fetched.fetch(&gaps)?);
-    for EdgeFace { rows: [lower, upper], axis, first } in edges {
-        if of_fourth_order(gaps[first + 1], gaps[first + 2]) {
-            let flux = factors[axis] * third_difference(std::array::from_fn(|node| velocities[first + node]));
+    for EdgeFace { rows: [lower, upper], factors, first } in edges {
+        let around = |values: &[f64]| [0, 4].map(|part| std::array::from_fn(|node| values[first + part + node]));
+        if of_fourth_order(around(gaps)) {
+            let flux = flux(factors, around(&velocities));
             lower.into_iter().for_each(|row| rows[row] -= flux);
             upper.into_iter().for_each(|row| rows[row] += flux);
         }
     }
     drop(rows);
     Ok(defect)
+}
+
+/// Of the third differences around a face, in rows.
+fn factors<const D: usize>(grid: &Grid<D>, component: usize, axis: usize) -> [f64; 2] {
+    let spacing = grid.spacing();
+    [axis, component].map(|across| 1.0 / (12.0 * spacing[axis] * spacing[across]))
+}
+
+fn flux(factors: [f64; 2], around: [[f64; 4]; 2]) -> f64 {
+    factors[0] * third_difference(around[0]) + factors[1] * third_difference(around[1])
+}
+
+/// The component and the index of the values around the face of a component behind an index along an axis.
+fn nodes<const D: usize>(component: usize, (index, axis): (Index<D>, usize)) -> [[(usize, Index<D>); 4]; 2] {
+    let moved = |mut index: Index<D>, axis: usize, by: isize| {
+        index[axis] += by;
+        index
+    };
+    let along = [-1, 0, 1, 2].map(|step| (component, moved(index, axis, step)));
+    if axis == component {
+        return [along, along];
+    }
+    let corner = moved(index, axis, 1);
+    [along, [-2, -1, 0, 1].map(|step| (axis, moved(corner, component, step)))]
+}
+
+/// Places on this rank of the values around the face of a component behind an index along an axis, where it has them all.
+fn local_around<const D: usize>(
+    grid: &Grid<D>,
+    blocks: &[Block<D>; D],
+    component: usize,
+    (index, axis): ([usize; D], usize),
+) -> Option<Around> {
+    let (block, other) = (&blocks[component], &blocks[axis]);
+    let stride = |block: &Block<D>, axis: usize| (axis + 1..D).map(|axis| block.end[axis] - block.start[axis]).product::<usize>();
+    let inside = index[axis] > block.start[axis] && index[axis] + 2 < block.end[axis];
+    let (place, step) = (grid.local_range(component).start + block.offset(index), stride(block, axis));
+    let along = inside.then(|| [place - step, place, place + step, place + 2 * step])?;
+    if axis == component {
+        return Some([along, along]);
+    }
+    let mut corner = index;
+    corner[axis] += 1;
+    let inside = (0..D).all(|axis| (other.start[axis]..other.end[axis]).contains(&corner[axis]))
+        && corner[component] >= other.start[component] + 2
+        && corner[component] + 1 < other.end[component];
+    let (place, step) = inside.then(|| (grid.local_range(axis).start + other.offset(corner), stride(other, component)))?;
+    Some([along, [place - 2 * step, place - step, place, place + step]])
 }
 
 /// Distances of velocities from the nearest surface, in cells, infinite where it is far; and those of this rank that are near, with their components.
@@ -107,9 +158,10 @@ fn gaps<const D: usize>(
     Ok((gaps, near))
 }
 
-/// Whether the flux between two velocities at these distances from a surface, in cells, is one.
-fn of_fourth_order(one: f64, other: f64) -> bool {
-    one.abs() < BAND && other.abs() < BAND && one.max(other) > 0.0
+/// Whether the flux amid velocities at these distances from a surface, in cells, is one.
+fn of_fourth_order(around: [[f64; 4]; 2]) -> bool {
+    let beside = around.iter().flat_map(|gaps| &gaps[1..3]);
+    beside.clone().all(|gap| gap.abs() < BAND) && beside.copied().fold(f64::NEG_INFINITY, f64::max) > 0.0
 }
 
 fn third_difference(around: [f64; 4]) -> f64 {
@@ -126,17 +178,15 @@ fn edge_faces<const D: usize>(
 ) -> Result<()> {
     let own = shape.range()?;
     for before in 0..=1 {
-        let nodes = [-1, 0, 1, 2].map(|step| {
-            let mut index = index;
-            index[axis] += step - before;
-            unknown(grid, component, index)
-        });
+        let mut index = index;
+        index[axis] -= before;
+        let places = nodes(component, (index, axis)).map(|nodes| nodes.map(|(component, index)| unknown(grid, component, index)));
         // no such flux beside walls
-        let [Some(first), Some(lower), Some(upper), Some(last)] = nodes else { continue };
-        if before == 0 || !own.contains(&lower) {
+        let Some(places) = places.iter().flatten().copied().collect::<Option<Vec<usize>>>() else { continue };
+        if before == 0 || !own.contains(&places[1]) {
             let row = |place: usize| own.contains(&place).then(|| place - own.start);
-            edges.push(EdgeFace { rows: [row(lower), row(upper)], axis, first: wanted.len() });
-            wanted.extend([first, lower, upper, last]);
+            edges.push(EdgeFace { rows: [row(places[1]), row(places[2])], factors: factors(grid, component, axis), first: wanted.len() });
+            wanted.extend(places);
         }
     }
     Ok(())

@@ -14,9 +14,9 @@ use crate::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EstimatedQuantity {
-    /// Forces, and torques over radius, on bodies whose motion is given.
+    /// Forces, and torques over radius, on bodies whose motion is given; with inertia at the end of the run.
     Drag,
-    /// Velocities, and spins times radius, of free bodies.
+    /// Velocities, and spins times radius, of free bodies; with inertia the largest of the run.
     Velocity,
     /// Apparent viscosity of a sheared suspension of free bodies.
     Viscosity,
@@ -88,7 +88,7 @@ fn norm(numbers: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// What the fluid does to bodies whose motion is given, and how the free ones move.
-fn of_bodies<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> (Vec<f64>, Vec<f64>) {
+pub fn of_bodies<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> (Vec<f64>, Vec<f64>) {
     let (mut drag, mut velocity) = (Vec::new(), Vec::new());
     for (suspended, state) in setup.bodies.iter().zip(&solution.bodies) {
         let radius = suspended.body.ball.radius;

@@ -13,7 +13,7 @@ use crate::{
     mechanics::{FlowSolver, Solution},
     output::{AccuracySummary, EstimatedErrors, Summary, write_whole},
     parallel::World,
-    scene::Scene,
+    scene::{FlowModel, Scene},
 };
 
 /// Name of the file.
@@ -35,12 +35,14 @@ struct Cache {
     calibration: Calibration,
 }
 
-/// The calibration that a folder has for a scene, the same on all ranks; nothing if there is none, or one of another scene or version.
-pub fn cached(world: &World, folder: &Path, scene: &Scene) -> Option<Calibration> {
+/// The calibration that a folder has for a scene, the same on all ranks; nothing if there is none, or one of another scene or version, or of whole runs to another end
+/// where a run does not go on.
+pub fn cached(world: &World, folder: &Path, scene: &Scene, goes_on: bool) -> Option<Calibration> {
     let text = if world.rank() == 0 { fs::read_to_string(folder.join(FILE)).unwrap_or_default() } else { String::new() };
     let cache: Cache = serde_json::from_str(&world.broadcast(0, &text)).ok()?;
     let there = Scene::parse(&scene.name, folder, &cache.scene, &[]).ok()?;
-    let fits = cache.version == env!("CARGO_PKG_VERSION") && scene.difference(&there).is_none();
+    let to_end = goes_on || scene.flow.model != FlowModel::NavierStokes || scene.end() == there.end();
+    let fits = cache.version == env!("CARGO_PKG_VERSION") && to_end && scene.difference(&there).is_none();
     fits.then_some(cache.calibration)
 }
 

@@ -4,6 +4,7 @@ use super::{
     answers::CalibrationAnswer,
     estimate::{Estimate, estimates, worst},
     setting::{COARSEST, Calibration, RefinementLevel, resolved},
+    whole_run::WholeRun,
 };
 use crate::{
     error::{Error, Result},
@@ -30,6 +31,9 @@ const MOST_GROWTH: [f64; 2] = [2.0, 1.5];
 /// films the first two grids carry the same modes, and agree on what these miss.
 const FEWEST_GRIDS: [usize; 2] = [2, 3];
 
+/// Grids that whole runs are compared on at least.
+const FEWEST_RUNS: usize = 3;
+
 /// The part of the accuracy that the next grid aims at.
 const AIM: f64 = 0.8;
 
@@ -53,8 +57,7 @@ impl<'a, const D: usize> RefinementSequence<'a, D> {
     /// # Errors
     /// The scene asks for none, or cannot be built on the first grid.
     pub fn begin(session: &'a Session, scene: &'a Scene) -> Result<RefinementSequence<'a, D>> {
-        let missing = || scene.refuse("accuracy", "nothing", "must be given for a calibration; for example accuracy = 1e-2");
-        let accuracy = scene.accuracy.ok_or_else(missing)?;
+        let accuracy = asked(scene)?;
         let suspension = build(session, scene, COARSEST)?;
         Ok(RefinementSequence { session, scene, accuracy, cells: COARSEST, suspension, levels: Vec::new(), answers: Vec::new() })
     }
@@ -115,18 +118,55 @@ impl<'a, const D: usize> RefinementSequence<'a, D> {
     /// Builds the next grid in place of this one.
     fn refine(self, worst: Option<Estimate>) -> Result<Self> {
         let RefinementSequence { session, scene, accuracy, cells, suspension, levels, answers } = self;
-        let finer = match NEXT.get(levels.len() - 1) {
-            Some(&next) => next,
-            None => next::<D>(cells, worst.map_or(1.0, |worst| worst.error / accuracy)),
-        };
-        let needed = Plan::<D>::of(&resolved(scene, finer))?.report(session.world().size())?.bytes();
         drop(suspension);
-        if cells >= FINEST[D - 2] || needed > session.world().available_memory_bytes() {
-            return Err(Unmet { cells, worst, finer, needed }.refusal(scene, accuracy));
-        }
+        let finer = finer::<D>(session, scene, (accuracy, levels.len(), cells), worst)?;
         let suspension = build(session, scene, finer)?;
         Ok(RefinementSequence { session, scene, accuracy, cells: finer, suspension, levels, answers })
     }
+}
+
+/// Runs a scene with inertia on finer and finer grids until the accuracy that it asks for is met. Collective.
+///
+/// # Errors
+/// As [`RefinementSequence::refine_until_met`]; the flow past bodies at rest is not steady at the end.
+pub fn refine_whole_runs<const D: usize>(session: &Session, scene: &Scene) -> Result<Calibration> {
+    let (accuracy, mut cells, mut levels, mut answers) = (asked(scene)?, COARSEST, Vec::new(), Vec::new());
+    loop {
+        let run = WholeRun::of::<D>(session, &resolved(scene, cells), cells).map_err(|error| at(cells, error))?;
+        run.refuse_unsteady(scene, accuracy)?;
+        answers.push((cells, run.answers.clone()));
+        levels.push(run.level.clone());
+        let estimates = run.widened(estimates(&answers, accuracy));
+        let worst = worst(&estimates);
+        if levels.len() >= FEWEST_RUNS && worst.is_some_and(|worst| worst.error <= accuracy) {
+            return Ok(Calibration { accuracy, cells_per_radius: cells, estimates, levels, ranks: session.world().size() });
+        }
+        cells = finer::<D>(session, scene, (accuracy, levels.len(), cells), worst)?;
+    }
+}
+
+/// The accuracy that a scene asks for.
+fn asked(scene: &Scene) -> Result<f64> {
+    let missing = || scene.refuse("accuracy", "nothing", "must be given for a calibration; for example accuracy = 1e-2");
+    scene.accuracy.ok_or_else(missing)
+}
+
+/// The grid to go on to from the last of so many, in cells per radius. Collective.
+fn finer<const D: usize>(
+    session: &Session,
+    scene: &Scene,
+    (accuracy, grids, cells): (f64, usize, f64),
+    worst: Option<Estimate>,
+) -> Result<f64> {
+    let finer = match NEXT.get(grids - 1) {
+        Some(&next) => next,
+        None => next::<D>(cells, worst.map_or(1.0, |worst| worst.error / accuracy)),
+    };
+    let needed = Plan::<D>::of(&resolved(scene, finer))?.report(session.world().size())?.bytes();
+    if cells >= FINEST[D - 2] || needed > session.world().available_memory_bytes() {
+        return Err(Unmet { cells, worst, finer, needed }.refusal(scene, accuracy));
+    }
+    Ok(finer)
 }
 
 /// The cells per radius that bring an error that is too large by `factor` to where it should be, at second order.

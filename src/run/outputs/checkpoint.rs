@@ -236,6 +236,7 @@ fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, sim
     }
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
+    writer.shared("carried", &flat(&state.carried))?;
     store_contacts(writer, state.count(), "contacts", held.iter().map(|held| (held.identity(), held.force)).collect())
 }
 
@@ -309,6 +310,7 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
         held: read_contacts(checkpoint, "contacts")?.into_iter().map(held).collect(),
         stuck: stuck.into_iter().map(AdhesiveContact::from).collect(),
+        carried: checkpoint.shared("carried")?.chunks(D).map(SVector::from_column_slice).collect(),
     })
 }
 

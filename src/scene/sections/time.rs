@@ -15,7 +15,7 @@ const STRAIN: f64 = 20.0;
 const TRAVEL: f64 = 0.1;
 
 /// The error that goes with it.
-const ERROR: f64 = 1e-3;
+const ERROR: f64 = 3e-4;
 
 /// Keys of `[time]`.
 pub(in crate::scene) const KEYS: [Key; 6] = [
@@ -49,11 +49,11 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "error",
         "number",
         "1e-4",
-        "Part of their radius by which bodies in Stokes flow err in an automatic step (root mean square of half the square of the step times \
-        acceleration, which is what Euler's rule errs by; ten times as much for a single body).",
+        "Part of their radius by which bodies in Stokes flow err in an automatic step (root mean square of how far the way of the last one was from its \
+        length times the mean of the velocities before and after it; ten times as much for a single body).",
     )
     .unit("radii")
-    .default("a tenth of the square of travel: 1e-3")
+    .default("0.3 of the cube of travel: 3e-4")
     .range("above 0, at most 1")
     .needs(IN_TIME),
     Key::new("until", "table", "{ viscosity_interval = 0.02 }", "What ends the run before end.")
@@ -188,7 +188,7 @@ impl Step {
 
 /// The error of a step that goes with a travel: both fall alike with shorter steps.
 fn error_of(travel: f64) -> f64 {
-    ERROR * (travel / TRAVEL).powi(2)
+    ERROR * (travel / TRAVEL).powi(3)
 }
 
 /// A travel or an error.

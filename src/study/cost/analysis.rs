@@ -10,10 +10,12 @@ use super::{
     sensitivity::Sensitivity,
     sequence::RefinementSequence,
     setting::Setting,
-    steadiness::STEADY,
     sweep::Sweep,
 };
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    run::STEADY,
+};
 
 /// Method whose limit counts as true unless another one is named.
 const REFERENCE: &str = "sharp";

@@ -4,7 +4,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     mechanics::{ScalarSetup, Setup},
-    scene::{BodyGroup, FlowModel, Motion, Scene},
+    scene::{BodyGroup, FlowModel, Scene},
 };
 
 /// Box and bodies of a scene.
@@ -60,7 +60,7 @@ impl SceneProperties {
             volume: domain.volume(),
             viscosity: scene.flow.viscosity,
             inertia,
-            steady: inertia && !scene.bodies.is_empty() && scene.bodies.iter().all(stays),
+            steady: inertia && !scene.bodies.is_empty() && scene.bodies.iter().all(BodyGroup::stays),
         })
     }
 
@@ -72,15 +72,6 @@ impl SceneProperties {
     /// Radius of the smallest body, or 1 where spacings are lengths anyway.
     pub fn unit(&self) -> f64 {
         self.radius.unwrap_or(1.0)
-    }
-}
-
-/// Whether the bodies of a group keep their places: they may spin there.
-fn stays(group: &BodyGroup) -> bool {
-    match &group.motion {
-        Motion::Fixed => true,
-        Motion::Prescribed { velocity, .. } => velocity.iter().all(|component| *component == 0.0),
-        _ => false,
     }
 }
 

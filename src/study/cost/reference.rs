@@ -9,8 +9,8 @@ use super::{
     record::Measured,
     sensitivity::Sensitivity,
     setting::Setting,
-    steadiness::unresolved,
 };
+use crate::run::unresolved;
 
 /// Observed orders beyond these parts of the predicted one are not believed.
 const BELIEVED: [f64; 2] = [0.5, 2.0];
