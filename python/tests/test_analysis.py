@@ -282,6 +282,33 @@ def test_the_mean_viscosity_is_that_of_the_program(long):
     assert "±" in long._repr_html_()
 
 
+def test_a_shear_that_oscillates_or_follows_a_stress(folder):
+    scene = {
+        "domain": {"size": [4.0, 4.0], "y": "walls"},
+        "flow": {"drive": {"shear_rate": {"amplitude": 0.2, "frequency": 0.5}}},
+        "resolution": {"cells_per_radius": 3},
+        "method": {"inverse": "transform"},
+        "bodies": [{"radius": 0.5, "centers": [[1.0, 1.2], [3.0, 2.6]]}],
+        "contact": {"model": "inelastic"},
+        "time": {"end": 2.0},
+        "output": {"every": 0.5, "fields": False},
+    }
+    run = turbid.run(scene, out=folder / "oscillation", ranks=1, progress=False)
+    assert run.shear is not None and not run.shear.steady and list(run.shear.flow) == [1.0, 0.0]
+    assert run.strain_at(0.5) == pytest.approx(0.2, rel=1e-2) and run.strain_at([1.0, 2.0]) == pytest.approx(0.0, abs=1e-3)
+    series, found = run.series, run.oscillation
+    assert found["cycles"] == 1 and found["phase"] == pytest.approx(90.0, abs=0.1)
+    viscosity = float(series["viscosity"].mean())
+    assert found["loss_modulus"]["value"] == pytest.approx(viscosity * np.pi, rel=1e-2)
+    assert series["wall_stress"].to_numpy() == pytest.approx(series["shear_stress"].to_numpy(), rel=1e-4, abs=1e-4)
+    assert run.viscosity.mean is None and run.frames[1].strain == pytest.approx(0.2, rel=1e-2)
+    pushed = turbid.run(scene, out=folder / "stress", set={"flow.drive": {"shear_stress": 2.0}, "time.end": 1.0}, ranks=1, progress=False)
+    assert pushed.series["shear_stress"].to_numpy() == pytest.approx(2.0, rel=1e-4)
+    assert pushed.strain_at(1.0) == pytest.approx(pushed.series["strain"].iloc[-1])
+    with pytest.raises(turbid.Missing, match="oscillation"):
+        _ = pushed.oscillation
+
+
 def test_a_run_that_is_too_short_says_why_it_has_no_mean(walls):
     assert walls.viscosity.mean is None
     assert walls.viscosity.reason.startswith("the run is too short for a mean, it") and "{" not in walls.viscosity.reason

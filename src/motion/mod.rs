@@ -1,6 +1,7 @@
 //! Bodies in time: quasi-static, with inertia, and granular; steps, their control, and the loop.
 
 mod active_set_iteration;
+mod changing_shear;
 mod clusters;
 mod contact_step;
 mod controlled_stress;

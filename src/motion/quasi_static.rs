@@ -143,17 +143,8 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// Whether the fluid has inertia: a solve is then a step from the one before.
-    fn evolves(&self) -> bool {
+    pub(super) fn evolves(&self) -> bool {
         self.suspension.evolution().is_some()
-    }
-
-    /// The box of a state, sheared at the rate that is tried, if a stress decides it.
-    pub(super) fn domain_at(&self, state: &State<D>) -> Domain<D> {
-        let domain = self.suspension.setup().domain.clone().at(state.time);
-        match self.tried_rate {
-            Some(rate) => domain.sheared_to(state.time, state.shear.strain, rate),
-            None => domain,
-        }
     }
 
     fn placed<'a>(&self, state: &'a State<D>) -> Placed<'a, D> {
@@ -556,33 +547,6 @@ impl<const D: usize> QuasiStatic<D> {
             }
             _ => self.midpoint(state, (observation, length), effort, monitor),
         }
-    }
-
-    /// Lets bodies go along with images whose speed changes as far as these do in a step, for which a rule took their rates now and before the last step.
-    fn follow_images(&self, state: &State<D>, length: f64, factor: f64, moves: &mut [Twist<D>]) {
-        let domain = self.domain_at(state);
-        // what a stress decides is found as motions are, and followed as these are
-        if domain.slide().is_none_or(|slide| slide.protocol.steady() || slide.protocol.stress().is_some()) {
-            return;
-        }
-        let (now, before) = (domain.shear_rate(), domain.clone().at(state.time - state.last_step).shear_rate());
-        let missing = domain.over(length).shear_rate() - now - factor * (now - before);
-        for (twist, body) in moves.iter_mut().zip(&state.bodies) {
-            twist.velocity[0] += missing * body.center[1];
-            twist.spin[(0, 1)] += 0.5 * missing;
-            twist.spin[(1, 0)] -= 0.5 * missing;
-        }
-    }
-
-    /// The last step, 0 where motions do not go on from it: in the first one, and where the rate of the shear jumps.
-    pub(super) fn last_step(&self, state: &State<D>) -> f64 {
-        let anew = !self.evolves() && self.step_control.jumped(state.time, state.last_step);
-        if anew { 0.0 } else { state.last_step }
-    }
-
-    /// Whether a step from a state is a first one that has no middle.
-    fn starts(&self, state: &State<D>) -> bool {
-        (self.evolves() || self.step_control.wanders()) && self.last_step(state) == 0.0
     }
 
     /// The part of the change of motions over the last step that the two-step rule adds to those of a step of this length. In a flow with inertia the second step makes up

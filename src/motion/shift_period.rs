@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// The time in which the images of a sheared box slide by one cell.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ShiftPeriod {
     /// They slide at one speed.
     Steady(f64),
@@ -25,11 +25,10 @@ pub enum ShiftPeriod {
 impl ShiftPeriod {
     /// The shift period of a box on a grid; none if its images stay.
     pub fn of<const D: usize>(domain: &Domain<D>, grid: &Grid<D>) -> Option<ShiftPeriod> {
-        let (protocol, cell) = (&domain.slide()?.protocol, grid.spacing()[0]);
-        let changing = || ShiftPeriod::Changing { protocol: protocol.clone(), cell };
+        let (protocol, cell) = (domain.slide()?.protocol, grid.spacing()[0]);
         match protocol {
-            Protocol::Steady(speed) => (*speed != 0.0).then(|| ShiftPeriod::Steady(cell / speed.abs())),
-            _ => Some(changing()),
+            Protocol::Steady(speed) => (speed != 0.0).then(|| ShiftPeriod::Steady(cell / speed.abs())),
+            _ => Some(ShiftPeriod::Changing { protocol, cell }),
         }
     }
 

@@ -152,8 +152,8 @@ pub struct AnimatedDisk {
 pub struct Plane {
     across: usize,
     up: usize,
-    /// Speed at which the box above slides to the right over time.
-    images: Protocol,
+    /// Speed at which the box above slides to the right, where that is always the same.
+    sliding: f64,
     /// The motion that is subtracted from speeds, if any is.
     affine: Option<AffineFlow>,
 }
@@ -162,12 +162,12 @@ impl Plane {
     /// The plane of a scene's pictures.
     pub fn of(scene: &Scene) -> Plane {
         let [across, up] = scene.plane_of_pictures();
-        let images = match &scene.flow.drive {
-            Some(Drive::ShearedBox(protocol)) if [across, up] == [0, 1] => protocol.scaled(scene.domain.size[1]),
-            _ => Protocol::Steady(0.0),
+        let sliding = match scene.flow.drive {
+            Some(Drive::ShearedBox(Protocol::Steady(rate))) if [across, up] == [0, 1] => rate * scene.domain.size[1],
+            _ => 0.0,
         };
         let affine = AffineFlow::of(scene).filter(|_| scene.output.colour == Colour::NonAffine);
-        Plane { across, up, images, affine }
+        Plane { across, up, sliding, affine }
     }
 
     /// The axes that point right and up.
@@ -182,11 +182,11 @@ impl Plane {
         counterclockwise.or_else(|| place((self.across, self.up)).map(|component| (component, -1.0))).expect("two axes span a plane")
     }
 
-    /// Bodies at a time before the flow that the plane cuts, seen from the front: spheres further back come first. Of each body by its number the number
+    /// Bodies at a time, when images above the box are displaced by a shift along x, before the flow that the plane cuts, seen from the front: spheres further back come first. Of each body by its number the number
     /// of its group, where groups are coloured.
     pub fn frame<const D: usize>(
         self,
-        time: f64,
+        (time, shift): (f64, f64),
         mut bodies: Vec<FrameBody<D>>,
         groups: &[Option<usize>],
         vorticity: Option<FlowCut>,
@@ -203,7 +203,8 @@ impl Plane {
             along: body.velocity[self.across],
             group: groups.get(body.number).copied().flatten(),
         };
-        AnimationFrame { time, shift: self.images.passed(time), disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
+        let shift = if self.axes() == [0, 1] { shift } else { 0.0 };
+        AnimationFrame { time, shift, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
     }
 
     /// A film of a scene's box without frames.
@@ -222,8 +223,8 @@ impl Plane {
             quantity,
             unit,
             least,
-            slide: if self.affine.is_some() || !self.images.steady() { 0.0 } else { self.images.rate(0.0) },
-            rate: scene.shear_rate(),
+            slide: if self.affine.is_some() { 0.0 } else { self.sliding },
+            rate: scene.shear_rate().filter(|_| scene.steady_shear()),
             balls: scene.dimension() == 3,
             ..Film::new(self.axes().map(|axis| scene.domain.size[axis]), periodic, colour)
         }
@@ -247,7 +248,7 @@ mod tests {
 
     #[test]
     fn vorticity_is_counterclockwise_as_seen() {
-        let with = |up| Plane { across: 0, up, images: Protocol::Steady(0.0), affine: None };
+        let with = |up| Plane { across: 0, up, sliding: 0.0, affine: None };
         assert_eq!(with(1).vorticity::<2>(), (0, 1.0));
         assert_eq!(with(1).vorticity::<3>(), (2, 1.0));
         // seen along y, the component about y is clockwise

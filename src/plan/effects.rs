@@ -3,6 +3,7 @@
 use super::{Plan, memory::distinct_laplacians};
 use crate::{
     flow::{Drive, InverseMethod},
+    geometry::{Domain, Protocol, RateStep},
     grid::Grid,
     interaction::{Interaction, Interactions},
     mechanics::Setup,
@@ -46,7 +47,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
         ),
         Effect::on("pressure", "one unknown for each cell".into()),
         Effect { name: "rotation", built: spins },
-        Effect::on("drive", drive(&setup.drive) + &sliding(setup, grid)),
+        Effect::on("drive", shear(&setup.domain).unwrap_or_else(|| drive(&setup.drive)) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
             count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method(0.0).description())),
@@ -79,11 +80,32 @@ pub fn drive<const D: usize>(drive: &Drive<D>) -> String {
     }
 }
 
+/// How a shear changes its rate, if it does.
+fn shear<const D: usize>(domain: &Domain<D>) -> Option<String> {
+    Some(match domain.protocol()? {
+        Protocol::Steady(rate) => format!("shear at rate {rate}"),
+        Protocol::Oscillation { amplitude, frequency } => {
+            format!("shear that oscillates by a strain of {amplitude}, {frequency} cycles a time")
+        }
+        Protocol::Stress { stress, .. } => format!("shear at the rate at which its stress is {stress}"),
+        Protocol::Steps { steps, factor } => {
+            let step = |step: &RateStep| {
+                let until = if step.until.is_finite() { format!(" until {:.6}", step.until) } else { String::new() };
+                format!("{}{until}", factor * step.rate)
+            };
+            format!("shear at the rates {}", steps.iter().map(step).collect::<Vec<_>>().join(", "))
+        }
+    })
+}
+
 /// How the images of a sheared box go along.
 fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
     let shift_period = ShiftPeriod::of(&setup.domain, grid);
-    shift_period.map_or(String::new(), |shift_period| {
-        format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.shortest(0.0))
+    shift_period.map_or(String::new(), |shift_period| match shift_period {
+        ShiftPeriod::Changing { .. } => "; images slide along by whole cells in every step".into(),
+        ShiftPeriod::Steady(_) => {
+            format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.shortest(0.0))
+        }
     })
 }
 

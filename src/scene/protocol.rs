@@ -88,6 +88,11 @@ fn shown(protocol: &Protocol) -> String {
 }
 
 impl Scene {
+    /// Whether a shear that drives it, if one does, has one rate.
+    pub fn steady_shear(&self) -> bool {
+        !matches!(&self.flow.drive, Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) if !protocol.steady())
+    }
+
     /// How the rate of the shear that drives it changes with time, if the scene says so.
     pub fn changing_shear(&self) -> Option<&Protocol> {
         match &self.flow.drive {

@@ -163,6 +163,15 @@ class Run:
         return pd.DataFrame.from_dict(rows, orient="index", columns=list(kinds)).astype(kinds).rename_axis("quantity")
 
     @property
+    def oscillation(self) -> dict[str, Any]:
+        """What a shear that oscillates measures: moduli with intervals, complex viscosity, phase in degrees, harmonics (``oscillation`` of the summary).
+
+        Raises:
+            Missing: The scene has none, or the run no whole cycle.
+        """
+        return self._needed(self.summary.get("oscillation"), "oscillation: it takes flow.drive.shear_rate = { amplitude = .., frequency = .. } and a whole cycle")
+
+    @property
     def shear(self) -> Shear | None:
         """The simple shear that the scene imposes; ``None`` where it imposes none."""
         return shear_of(self.scene)
@@ -197,7 +206,7 @@ class Run:
         series = self.series
         if column not in series:
             raise Missing(f"series.csv of {self.folder} has no column {column}; it has {', '.join(series.columns)}")
-        least = LEAST_STRAIN / abs(shear.rate) if (shear := self.shear) and shear.rate else 0.0
+        least = LEAST_STRAIN / shear.rate if (shear := self.shear) and shear.steady else 0.0
         if (reason := shortage(series.index, series[column], least)) is not None:
             warnings.warn(f"{column} of {self.folder} has no mean: the run is too short, {reason}", stacklevel=2)
         return steady_mean(series.index, series[column], least)
@@ -245,7 +254,12 @@ class Run:
     def strain_at(self, time: npt.ArrayLike) -> Any:
         """The strain at a time or at times; ``None`` where the flow is no simple shear."""
         shear = self.shear
-        return None if shear is None else shear.rate * np.asarray(time)[()]
+        if shear is None:
+            return None
+        if shear.steady:
+            return shear.rate * np.asarray(time)[()]
+        series = self.series
+        return np.interp(np.asarray(time), series.index.to_numpy(float), series["strain"].to_numpy(float))[()]
 
     def _steady_start(self) -> float:
         """Time from which on frames are averaged, as the program has it."""
@@ -256,7 +270,10 @@ class Run:
         elif (series := self._series.get()) is not None and (viscosity := Viscosity.of_series(series)) is not None:
             strains = viscosity.strains
         if strains and (shear := self.shear):
-            return float(strains[0] / abs(shear.rate))
+            if shear.steady:
+                return float(strains[0] / shear.rate)
+            series = self.series
+            return float(np.interp(abs(strains[0]), series["strain"].abs().to_numpy(float), series.index.to_numpy(float)))
         return _START_UP * float(self._times()[-1])
 
     def _times(self) -> Floats:

@@ -17,12 +17,17 @@ class Shear:
     Attributes:
         flow: Direction of the flow, a unit vector.
         gradient: Number of the axis along which its velocity grows.
-        rate: Growth of the velocity per length.
+        rate: Growth of the velocity per length, positive; not a number where it changes with time or a stress decides it (column ``shear_rate`` of the series).
     """
 
     flow: Floats
     gradient: int
     rate: float
+
+    @property
+    def steady(self) -> bool:
+        """Whether the rate is the same at all times."""
+        return self.rate == self.rate
 
 
 def shear_of(scene: dict[str, Any]) -> Shear | None:
@@ -32,8 +37,11 @@ def shear_of(scene: dict[str, Any]) -> Shear | None:
         return None
     domain = scene["domain"]
     dimension = len(domain["size"])
-    if rate := flow.get("drive", {}).get("shear_rate"):
-        return Shear(np.eye(dimension)[0], 1, float(rate))
+    drive = flow.get("drive", {})
+    if isinstance(rate := drive.get("shear_rate"), (dict, list)) or "shear_stress" in drive:
+        return Shear(np.eye(dimension)[0], 1, float("nan"))
+    if rate:
+        return Shear(np.sign(rate) * np.eye(dimension)[0], 1, abs(float(rate)))
     kinds = [domain.get(axis, "periodic") for axis in "xyz"[:dimension]]
     walled = [axis for axis, kind in enumerate(kinds) if kind != "periodic"]
     if len(walled) != 1 or not isinstance(kinds[walled[0]], dict):

@@ -35,7 +35,7 @@ impl<const D: usize> Output<D> for PictureFile {
                     Colour::Species => species_of(&bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
                     _ => motion.simulation.interactions().group_of(),
                 };
-                let mut still = plane.frame(motion.state().time, bodies, &groups, None);
+                let mut still = plane.frame((motion.state().time, motion.domain().shift()), bodies, &groups, None);
                 if D == 2 {
                     still.contacts = motion.lines_on_first_rank(view.world, plane.axes());
                 }
