@@ -182,6 +182,11 @@ impl<const D: usize> Domain<D> {
         (0.5 * (protocol.rate(time) + protocol.rate(before)) - protocol.mean_rate(before, interval)) / self.size[1]
     }
 
+    /// The strain at a time of a shear that box and drive impose: at one rate, or as the box has it where it changes.
+    pub fn strain(&self, rate: f64, time: f64) -> f64 {
+        self.protocol().map_or(rate * time, |protocol| protocol.passed(time))
+    }
+
     /// The shear rate over time that images or moving walls impose, where it changes.
     pub fn protocol(&self) -> Option<Protocol> {
         let of_axis = |(axis, size): (&Axis<D>, &f64)| match axis {

@@ -189,12 +189,6 @@ impl Protocol {
     }
 }
 
-impl From<f64> for Protocol {
-    fn from(rate: f64) -> Protocol {
-        Protocol::Steady(rate)
-    }
-}
-
 fn step_at(steps: &[RateStep], time: f64) -> &RateStep {
     let over = |step: &RateStep| time >= step.until * (1.0 - SAME);
     &steps[steps.partition_point(over).min(steps.len() - 1)]

@@ -89,7 +89,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (size, unit) = (stress.abs(), stress / self.suspension.setup().viscosity);
         // a stress the other way shears the other way
         let (mut rate, mut search) = (if state.shear.rate == 0.0 { unit.abs() } else { state.shear.rate.abs() }, Search::new(size));
-        let tolerance = MISSED * self.solve_tolerance(state);
+        let (tolerance, mut step) = (MISSED * self.solve_tolerance(state), 0.0);
         for trial in 0..MOST_TRIALS {
             self.turn_to_rate(state, rate * unit.signum())?;
             let agreed = self.agree_at_rate((state, tried), trial > 0, effort, monitor)?;
@@ -97,6 +97,7 @@ impl<const D: usize> QuasiStatic<D> {
             if (found - size).abs() <= tolerance * size {
                 return Ok(agreed);
             }
+            step = agreed.step_size.natural;
             rate = search.next(Trial { rate, stress: found });
             if rate < STOPPED * unit.abs() {
                 let text =
@@ -104,7 +105,6 @@ impl<const D: usize> QuasiStatic<D> {
                 return Err(Error::Diverged(text));
             }
         }
-        let step = self.step_control.time.end;
         Err(Error::StepTooLong { text: format!("at time {} no rate goes with flow.drive.shear_stress = {stress}", state.time), step })
     }
 

@@ -76,7 +76,8 @@ impl<const D: usize> QuasiStatic<D> {
 pub(super) fn jammed<const D: usize>(instant: &KnownInstant<D>, step: f64) -> Error {
     let Friction { coefficient, roughness } = instant.interactions.friction().expect("what jams has friction");
     let time = instant.placed.state.time;
-    let strain = strain_rate(&instant.placed.domain) * time;
+    let domain = &instant.placed.domain;
+    let strain = domain.strain(strain_rate(domain), time);
     let text = format!(
         "at time {time}, strain {strain:.4}, bodies are jammed: no motion of theirs keeps contacts apart in a step of {step:.3e} (contact.friction = \
          {coefficient}, roughness {roughness}); go on from the last checkpoint with less friction or roughness, or choose a lower fraction"

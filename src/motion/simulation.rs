@@ -415,13 +415,12 @@ impl<const D: usize> Simulation<D> {
 
     /// Takes the rate of a shear that a stress decides from what has found it.
     fn follow_rate(&mut self) {
-        let Some(found) = self.suspension().map(|flow| flow.setup().domain.clone()) else { return };
-        if found.protocol().is_some_and(|protocol| protocol.stress().is_some()) {
-            if let Some(flow) = self.suspension() {
-                self.step_control.shift_period = ShiftPeriod::of(&found, flow.grid());
-            }
-            self.domain = found;
+        if self.domain.protocol().is_none_or(|protocol| protocol.stress().is_none()) {
+            return;
         }
+        let flow = self.suspension().expect("a stress shears a fluid");
+        let domain = flow.setup().domain.clone();
+        (self.step_control.shift_period, self.domain) = (ShiftPeriod::of(&domain, flow.grid()), domain);
     }
 }
 

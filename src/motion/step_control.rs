@@ -117,8 +117,7 @@ impl StepControl {
     pub fn half(&self, (time, last_step): (f64, f64), step: f64) -> Option<f64> {
         let least = if let Step::Fixed(whole) = self.time.step { SHORTEST_PART * whole * (1.0 - ROUNDING) } else { 0.0 };
         let Some(shift_period) = &self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
-        let multiple = if self.by_twos { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) };
-        let half = shift_period.within(time, 0.5 * step, multiple);
+        let half = shift_period.within(time, 0.5 * step, self.multiple(time, last_step));
         (half < step * (1.0 - ROUNDING) && half >= least).then_some(half)
     }
 
@@ -149,13 +148,14 @@ impl StepControl {
             return if unit > 0.0 { (unit * (step / unit * (1.0 + ROUNDING)).log2().floor().exp2()).max(shortest) } else { step };
         }
         let Some(shift_period) = &self.shift_period else { return step };
-        shift_period.within(time, step, self.multiple(last_step))
+        shift_period.within(time, step, self.multiple(time, last_step))
     }
 
-    /// The number of cells by which images slide in a step after another, at least: the middle of a first one is an instant too, unless the rate never stands
-    /// still.
-    fn multiple(&self, last_step: f64) -> f64 {
-        if self.wanders() { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, last_step) }
+    /// The number of cells by which images slide in a step from a time after another, at least: the middle of a first one, also after a jump of the rate, is an
+    /// instant too, unless the flow evolves or the rate never stands still.
+    fn multiple(&self, time: f64, last_step: f64) -> f64 {
+        let anew = self.jumped(time, last_step);
+        if self.by_twos || self.wanders() { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, if anew { 0.0 } else { last_step }) }
     }
 
     /// Whether images slide at a speed that changes all the time: the middle of a step then slides them by a part of a cell.
@@ -249,6 +249,15 @@ mod tests {
         assert_eq!(halves.len(), 3);
         assert!((halves[1] - 0.2).abs() < 1e-12 && (halves[2] - 0.1).abs() < 1e-12);
         assert_eq!(self::control(Step::Auto, None).half((0.0, 0.5), 0.5), Some(0.25));
+    }
+
+    #[test]
+    fn half_a_step_after_a_jump_of_the_rate_has_a_middle() {
+        let protocol = Protocol::steps(&[(1.0, 1.0), (2.0, -1.0)]);
+        let shift_period = Some(ShiftPeriod::Changing { protocol, cell: 0.1 });
+        let control = StepControl { shift_period, protocol: Some(protocol), ..control(Step::Auto, None) };
+        let halves = [0.9, 1.0, 1.3].map(|time| control.half((time, 0.1), 0.7).map(|half| (half * 1e9).round() / 1e9));
+        assert_eq!(halves, [Some(0.3), Some(0.2), Some(0.3)]);
     }
 
     #[test]

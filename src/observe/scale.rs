@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_sheared_scene_measures_by_rate_and_height() {
         let mut scene = Scene::new("sheared", &[4.0, 3.0]);
-        scene.flow.drive = Some(Drive::ShearRate((-2.0).into()));
+        scene.flow.drive = Some(Drive::ShearRate(crate::geometry::Protocol::Steady(-2.0)));
         let scale = SpeedScale::of(&scene);
         assert_eq!((scale.unit, scale.words, scale.rate.0), (6.0, SHEARED, 2.0));
         assert_eq!(SpeedScale::name("speed |u|", scale.words), "speed |u| / (rate \u{d7} height)");

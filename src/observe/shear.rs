@@ -41,7 +41,7 @@ impl<const D: usize> Shear<D> {
 
     /// The strain at a time: of a shear whose rate changes that along x, which may be negative.
     pub fn strain(&self, domain: &Domain<D>, time: f64) -> f64 {
-        domain.protocol().map_or(self.rate * time, |protocol| protocol.passed(time))
+        domain.strain(self.rate, time)
     }
 
     /// Its rate, or 0 where nothing is sheared; of a shear whose rate changes that along x, which may be negative.

@@ -247,9 +247,8 @@ impl<'a, const D: usize> Run<'a, D> {
         self.timed(|run| {
             if let Machinery::InTime { simulation, .. } = &run.machinery {
                 let of_all_times = run.viscosity.filter(|_| run.scene.changing_shear().is_none());
-                let (domain, time) = (simulation.domain(), simulation.state().time);
-                let strain = |rate: f64| domain.protocol().map_or(rate * time, |protocol| protocol.passed(time));
-                let point = of_all_times.map(|viscosity| CurvePoint::of(&viscosity, strain(viscosity.rate)));
+                let point = of_all_times
+                    .map(|viscosity| CurvePoint::of(&viscosity, simulation.domain().strain(viscosity.rate, simulation.state().time)));
                 run.history.add(run.world, point, ABOUT);
             }
             run.row = run.measured()?;

@@ -184,6 +184,7 @@ mod tests {
     use std::path::Path;
 
     use crate::error::Result;
+    use crate::geometry::Protocol;
     use crate::scene::{AxisSection, Drive, Modes, Motion, Placement, Scene, Spacing, Step};
 
     const SCENE: &str = r#"
@@ -221,7 +222,7 @@ fraction = 0.1
         assert_eq!(scene.bodies[0].placement, Placement::Centers(vec![vec![1.0, 1.0]]));
         assert_eq!(scene.bodies[1].placement, Placement::Count(3));
         let scene = with(&["flow.drive.shear_rate=2"]).unwrap();
-        assert_eq!(scene.flow.drive, Some(Drive::ShearRate(2.0.into())));
+        assert_eq!(scene.flow.drive, Some(Drive::ShearRate(Protocol::Steady(2.0))));
     }
 
     #[test]
@@ -277,7 +278,7 @@ fraction = 0.1
     fn whole_tables_and_single_numbers_can_be_set() {
         let overrides = ["flow.drive={shear_rate=1.0}", "bodies.1={radius=0.25, count=1, motion=\"fixed\"}", "domain.size.1=6"];
         let scene = with(&overrides).unwrap();
-        assert_eq!(scene.flow.drive, Some(Drive::ShearRate(1.0.into())));
+        assert_eq!(scene.flow.drive, Some(Drive::ShearRate(Protocol::Steady(1.0))));
         assert_eq!(scene.bodies[1].motion, Motion::Fixed);
         assert_eq!(scene.domain.size, [8.0, 6.0]);
         let scene = with(&["bodies=[]", "domain.y=walls"]).unwrap();

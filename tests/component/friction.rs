@@ -343,22 +343,36 @@ fn outside_cone<const D: usize>(state: &State<D>, friction: f64) -> f64 {
     excess.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE)
 }
 
+/// The energy of disks that fall for so many steps, at the start and at the end, and the number of steps whose friction was not solved to the tolerance. No step
+/// gains energy, and nothing overlaps; besides what is seen of each step.
+pub fn settle(
+    simulation: &mut Simulation<2>,
+    bodies: &[GranularBody<2>],
+    steps: usize,
+    mut see: impl FnMut(usize, &Simulation<2>),
+) -> ([f64; 2], usize) {
+    let first = energy(simulation, bodies);
+    let (mut last, mut missed) = (first, 0);
+    for number in 0..steps {
+        let report = step(simulation);
+        missed += usize::from(report.residual > FrictionReport::TOLERANCE);
+        assert!(report.residual < 1e-3, "step {number}: {report:?}");
+        let now = energy(simulation, bodies);
+        assert!(now - last < 1e-9 * last.abs(), "step {number} gains {:e}", (now - last) / last);
+        assert!(smallest_gap(simulation) > -1e-7, "step {number}: {:e}", smallest_gap(simulation));
+        see(number, simulation);
+        last = now;
+    }
+    ([first, last], missed)
+}
+
 fn disks_fall_to_rest_on_any_number_of_ranks(session: &Session) {
     let bodies = heap(100);
     let mut simulation = falling(session, 100);
-    let first = energy(&simulation, &bodies);
-    let (mut last, mut missed) = (first, 0);
-    for number in 0..160 {
-        let report = step(&mut simulation);
-        missed += usize::from(report.residual > FrictionReport::TOLERANCE);
-        assert!(report.residual < 1e-3, "step {number}: {report:?}");
-        let now = energy(&simulation, &bodies);
-        assert!(now - last < 1e-9 * last.abs(), "step {number} gains {:e}", (now - last) / last);
-        assert!(smallest_gap(&simulation) > -1e-7, "step {number}: {:e}", smallest_gap(&simulation));
+    let ([first, last], missed) = settle(&mut simulation, &bodies, 160, |number, simulation| {
         let outside = outside_cone(&simulation.whole_state(), 0.5);
         assert!(outside < 1e-12, "step {number}: {outside:e}");
-        last = now;
-    }
+    });
     let height = simulation.whole_state().bodies.iter().map(|body| body.center[1]).sum::<f64>() / 100.0;
     // on any number of ranks
     assert!((height - 7.540_086).abs() < 1e-5 && missed <= 2, "{height}, {missed} steps missed");

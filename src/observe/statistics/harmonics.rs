@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::student;
+use super::{mean, standard_error, student};
 
 /// Harmonics that are told.
 pub const HARMONICS: usize = 5;
@@ -33,9 +33,8 @@ pub fn harmonics(values: &[(f64, f64)], frequency: f64) -> Option<Harmonics> {
     let fits: Vec<Vec<f64>> = (first..whole).map(|cycle| fit(values, frequency, cycle)).collect::<Option<_>>()?;
     let count = fits.len();
     let part = |place: usize| {
-        let mean = fits.iter().map(|fit| fit[place]).sum::<f64>() / count as f64;
-        let variance = fits.iter().map(|fit| (fit[place] - mean).powi(2)).sum::<f64>() / (count as f64 - 1.0);
-        (mean, (count > 1).then(|| student(count as f64 - 1.0) * (variance / count as f64).sqrt()))
+        let of_cycles: Vec<f64> = fits.iter().map(|fit| fit[place]).collect();
+        (mean(&of_cycles), (count > 1).then(|| student(count as f64 - 1.0) * standard_error(&of_cycles)))
     };
     let parts = (0..HARMONICS).map(|order| [part(1 + 2 * order), part(2 + 2 * order)]).collect();
     (count > 0).then_some(Harmonics { parts, cycles: count, from: first as f64 / frequency })
