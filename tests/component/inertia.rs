@@ -221,6 +221,7 @@ fn followed(flow: &mut UnsteadySuspension<2>, fluid: Vector, (end, steps): (f64,
         fluid,
         smooth: multipliers.clone(),
         slow: multipliers.clone(),
+        lagging: multipliers.clone(),
         multipliers,
         centers,
         twists,
@@ -529,10 +530,11 @@ fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session)
     let copies = whole.levels().into_iter().map(|level| {
         let mut fluid = level.fluid.like().unwrap();
         fluid.copy_from(&level.fluid).unwrap();
-        let Level { time, multipliers, smooth, slow, centers, twists, spin_ups, impulses, resolved, .. } = level;
+        let Level { time, multipliers, smooth, slow, lagging, centers, twists, spin_ups, impulses, resolved, .. } = level;
         let (multipliers, centers, twists) = (multipliers.clone(), centers.clone(), twists.clone());
-        let (smooth, slow, spin_ups, impulses, resolved) = (smooth.clone(), slow.clone(), spin_ups.clone(), impulses.clone(), *resolved);
-        Level { time: *time, fluid, multipliers, smooth, slow, centers, twists, spin_ups, impulses, resolved }
+        let (smooth, slow, lagging) = (smooth.clone(), slow.clone(), lagging.clone());
+        let (spin_ups, impulses, resolved) = (spin_ups.clone(), impulses.clone(), *resolved);
+        Level { time: *time, fluid, multipliers, smooth, slow, lagging, centers, twists, spin_ups, impulses, resolved }
     });
     let mut resumed = flow();
     resumed.restore(History { levels: copies.collect(), ..History::default() }).unwrap();

@@ -60,6 +60,7 @@ pub struct BodyTypes<const D: usize> {
     body_types: Vec<BodyType<D>>,
     kind_of: Vec<usize>,
     pair_tables: PairTables<D>,
+    spacing: f64,
 }
 
 /// The bodies in their places, shared out over the ranks.
@@ -136,7 +137,7 @@ impl<const D: usize> BodyTypes<D> {
         };
         let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
         let given = if setup.interactions.turn() || ties_near(setup) { Given::Motions } else { Given::Forces };
-        BodyTypes { body_types, kind_of, pair_tables: PairTables::new(given) }
+        BodyTypes { body_types, kind_of, pair_tables: PairTables::new(given), spacing: grid.spacing().max() }
     }
 
     /// Turns to the operator with a shift.
@@ -147,6 +148,11 @@ impl<const D: usize> BodyTypes<D> {
     /// The surface of a body.
     pub fn surface(&self, body: usize) -> &Rc<SurfaceTable<D>> {
         &self.of(body).surface
+    }
+
+    /// Largest spacing of the grid.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// What takes the tangential part of a traction of a body, where there is inertia.

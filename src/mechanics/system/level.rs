@@ -34,7 +34,7 @@ const REACH: f64 = 3.5;
 const SLOPE: [f64; 2] = [0.1, 1.0];
 
 /// Jump functions this close to the centre, in radii, say nothing.
-const CORE: f64 = 0.2;
+pub const CORE: f64 = 0.2;
 
 /// The flow and the bodies at one time.
 pub struct Level<const D: usize> {
@@ -48,6 +48,8 @@ pub struct Level<const D: usize> {
     pub smooth: Vec<Vec<f64>>,
     /// Their means over the time in which viscosity passes half a cell, by which surfaces in thin gaps are damped.
     pub slow: Vec<Vec<f64>>,
+    /// Their means over the time in which viscosity passes .7 of a cell: what `smooth` differs from them by tells how fast multipliers change.
+    pub lagging: Vec<Vec<f64>>,
     /// Centres of the bodies, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,
     /// Their motions.
@@ -112,7 +114,11 @@ impl<const D: usize> Level<D> {
         let count = modes.jump_count();
         let mut jumps = vec![0.0; offsets.len() / D * count];
         modes.velocity_jumps(offsets, component, &mut jumps);
-        jumps.chunks_exact(count).map(|jumps| dot(jumps, &coefficients)).collect()
+        let mut jumps: Vec<f64> = jumps.chunks_exact(count).map(|jumps| dot(jumps, &coefficients)).collect();
+        if let Some(unsteady) = self.unsteady_jump(body_types, body) {
+            unsteady.add(modes.as_ref(), (offsets, component), &mut jumps);
+        }
+        jumps
     }
 
     /// The velocity, that outside bodies extended into them as multipliers are at that time: what lags behind them tells of slopes that a flow that has met
@@ -175,7 +181,7 @@ impl<const D: usize> Level<D> {
     fn extend(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, (body, multipliers): (usize, &[f64]), band: &mut Band) {
         let surface = body_types.surface(body);
         let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
-        let whole = self.coefficients(body, multipliers);
+        let (whole, unsteady) = (self.coefficients(body, multipliers), self.unsteady_jump(body_types, body));
         let tangential = body_types.tangential(body) * DVector::from_column_slice(multipliers);
         let tangential = self.coefficients(body, tangential.as_slice());
         let deepest = (radius - DEPTH * grid.spacing().max()).max(CORE * radius);
@@ -189,7 +195,11 @@ impl<const D: usize> Level<D> {
         for (component, offsets) in offsets.iter().enumerate() {
             let mut jumps = vec![0.0; offsets.len() / D * count];
             surface.modes.velocity_jumps(offsets, component, &mut jumps);
+            let first = band.whole.len();
             band.whole.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &whole)));
+            if let Some(unsteady) = &unsteady {
+                unsteady.add(surface.modes.as_ref(), (offsets, component), &mut band.whole[first..]);
+            }
             band.tangential.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &tangential)));
             let found = &band.tangential[band.tangential.len() - offsets.len() / D..];
             let slopes = &mut band.slopes[2 * (D * body + component)..][..2];

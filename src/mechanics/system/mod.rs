@@ -20,6 +20,7 @@ pub mod readback;
 pub mod schur_complement;
 pub mod spectrum;
 pub mod surfaces;
+pub mod unsteady_jump;
 pub mod uzawa;
 
 pub use extrapolation::{ExtrapolationHistory, Snapshot};

@@ -4,11 +4,9 @@
 //! cell in a step clears points, and what is wrong with a multiplier comes back in its rows, `C^2 h^2 / nu` over the memory of the mean times. So memories are times of diffusion
 //! across parts of a cell.
 
-/// Memory of the multipliers of jump functions, over the time in which viscosity passes a cell. Disks that a stream carries by half a cell a step are stable from 0.03 on, at 0.01 they are not;
-/// longer memories lag behind what the points that a surface clears do to its multipliers.
-const OF_JUMPS: f64 = 0.125;
+use crate::mechanics::system::unsteady_jump::{OF_JUMPS, OF_RATES};
 
-/// Memory of those by which surfaces in thin gaps are damped.
+/// Memory of the multipliers by which surfaces in thin gaps are damped, over the time in which viscosity passes a cell.
 const IN_GAPS: f64 = 0.25;
 
 /// Lengths of a step over memories.
@@ -18,12 +16,14 @@ pub struct Forgetting {
     pub of_jumps: f64,
     /// Over that of surfaces in thin gaps.
     pub in_gaps: f64,
+    /// Over that of rates of change.
+    pub of_rates: f64,
 }
 
 impl Forgetting {
     /// Those of a step in which viscosity passes so many `cells`, squared.
     pub fn in_step(cells: f64) -> Forgetting {
-        Forgetting { of_jumps: cells / OF_JUMPS, in_gaps: cells / IN_GAPS }
+        Forgetting { of_jumps: cells / OF_JUMPS, in_gaps: cells / IN_GAPS, of_rates: cells / OF_RATES }
     }
 }
 

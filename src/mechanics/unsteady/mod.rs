@@ -10,6 +10,7 @@ mod inside;
 mod longest;
 mod memory;
 mod momentum;
+mod near_surfaces;
 mod rows;
 mod scheme;
 mod viscous_flux;
@@ -23,6 +24,7 @@ use self::{
     damping::damp,
     memory::{Forgetting, followed},
     momentum::Momentum,
+    near_surfaces::NearSurfaces,
     rows::{Past, kept},
     scheme::convection_weights,
 };
@@ -253,6 +255,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             fluid: fluid.copied()?,
             smooth: multipliers.clone(),
             slow: multipliers.clone(),
+            lagging: multipliers.clone(),
             multipliers,
             centers: configuration.centers.to_vec(),
             twists,
@@ -340,7 +343,12 @@ impl<const D: usize> UnsteadySuspension<D> {
     }
 
     /// Puts what earlier times, walls, drive and known spin-ups bring into the flow without bodies, or into rows of its own.
-    fn fill_undisturbed(&mut self, weights: StepWeights, assembly: &mut Assembly<D>, centers: &[SVector<f64, D>]) -> Result<()> {
+    fn fill_undisturbed(
+        &mut self,
+        weights: StepWeights,
+        assembly: &mut Assembly<D>,
+        (centers, surfaces): (&[SVector<f64, D>], Option<&NearSurfaces>),
+    ) -> Result<()> {
         let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
         let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
@@ -350,7 +358,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let viscous = weights.of_known_flux(weights.step / (inverse_diffusivity * self.fixed.grid.spacing().min().powi(2)));
         let past = Past { levels: &levels, weights, convection, viscous, inverse_diffusivity, kept };
         let body_types = self.fixed.method.jumps().then_some(&self.fixed.body_types);
-        let mut rows = past.rows(&self.fixed.grid, body_types, centers)?;
+        let mut rows = past.rows(&self.fixed.grid, body_types, (centers, surfaces))?;
         let lost = past.lost(&self.fixed.grid, &rows)?;
         self.momentum_residual = lost * (setup.viscosity * self.fixed.grid.spacing().product());
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
@@ -379,8 +387,16 @@ impl<const D: usize> UnsteadySuspension<D> {
     fn assembled(&mut self, centers: &[SVector<f64, D>], weights: StepWeights, forgetting: Forgetting) -> Result<Assembly<D>> {
         let _stage = enter(Stage::Assembly);
         let mut assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
-        self.fill_undisturbed(weights, &mut assembly, centers)?;
+        // frames that slide past each other see what lags behind at different places
+        let near = self.fixed.method.jumps() && self.fixed.setup.domain.slide().is_none();
+        let surfaces = near.then(|| NearSurfaces::new(&self.fixed.grid, &self.fixed.body_types, centers, &self.past[0].0)).transpose()?;
+        self.fill_undisturbed(weights, &mut assembly, (centers, surfaces.as_ref()))?;
         assembly.meet_flow(&self.fixed)?;
+        if let Some(surfaces) = &surfaces {
+            let mut missed = vec![0.0; assembly.undisturbed.len()];
+            assembly.blocks.interpolate(&surfaces.missed()?, &mut missed)?;
+            assembly.undisturbed.iter_mut().zip(missed).for_each(|(known, missed)| *known += missed);
+        }
         if self.fixed.method.jumps() {
             damp(&self.fixed, &mut assembly, &self.past[0].0.slow, (-forgetting.in_gaps).exp());
         }
@@ -437,8 +453,10 @@ impl<const D: usize> UnsteadySuspension<D> {
         let (time, centers) = (configuration.time, configuration.centers.to_vec());
         let last = &self.past[0].0;
         let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
-        let [smooth, slow] = [(&last.smooth, forgetting.of_jumps), (&last.slow, forgetting.in_gaps)]
-            .map(|(means, forgetting)| followed(means, (before, &multipliers), forgetting));
+        let means = [(&last.smooth, forgetting.of_jumps), (&last.slow, forgetting.in_gaps), (&last.lagging, forgetting.of_rates)];
+        let [smooth, slow, lagging] = means.map(|(means, forgetting)| followed(means, (before, &multipliers), forgetting));
+        // frames that slide past each other see what lags behind at different places
+        let lagging = if self.fixed.setup.domain.slide().is_some() { smooth.clone() } else { lagging };
         let resolved = last.resolved;
         let mut impulses = vec![Wrench::zero(); centers.len()];
         let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
@@ -447,7 +465,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             impulses[body].torque += push.turn;
         }
         let fluid = solution.fluid.copied()?;
-        self.current = Some(Level { time, fluid, multipliers, smooth, slow, centers, twists, spin_ups, impulses, resolved });
+        self.current = Some(Level { time, fluid, multipliers, smooth, slow, lagging, centers, twists, spin_ups, impulses, resolved });
         self.forget_surroundings();
         Ok(())
     }

@@ -13,6 +13,7 @@ use nalgebra::SVector;
 use super::{
     convected::sums,
     inside::{Inside, inside, nearest_rigid},
+    near_surfaces::NearSurfaces,
     scheme::StepWeights,
     viscous_flux::viscous_defect,
 };
@@ -54,8 +55,13 @@ pub fn kept<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64,
 
 impl<const D: usize> Past<'_, D> {
     /// The momentum rows, not balanced, for bodies that have come to new centres; inside those of `kinds` with jump functions they are those of
-    /// rigid motions. Collective.
-    pub fn rows(&self, grid: &Grid<D>, body_types: Option<&BodyTypes<D>>, centers: &[SVector<f64, D>]) -> Result<Vector> {
+    /// rigid motions, and beside `surfaces`, where these are known, viscous fluxes are of fourth order. Collective.
+    pub fn rows(
+        &self,
+        grid: &Grid<D>,
+        body_types: Option<&BodyTypes<D>>,
+        (centers, surfaces): (&[SVector<f64, D>], Option<&NearSurfaces>),
+    ) -> Result<Vector> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (level, (_, extended)) in self.levels.iter().enumerate() {
             let [history, convection] = self.factors(level);
@@ -66,10 +72,9 @@ impl<const D: usize> Past<'_, D> {
             let mut known = rows.like()?;
             self.levels.iter().zip(self.viscous).try_for_each(|((_, extended), factor)| known.add(factor, &extended.velocity))?;
             self.replace_inside(grid, body_types, centers, [&mut rows, &mut known])?;
-            // frames that slide past each other see what lags behind at different places
-            if grid.domain().slide().is_none() {
+            if let Some(surfaces) = surfaces {
                 // a layer thinner than a cell, as at the start, has no third differences
-                rows.add(self.levels[0].0.resolved, &viscous_defect(grid, body_types, centers, &known)?)?;
+                rows.add(1.0, &viscous_defect(grid, surfaces, &known, self.levels[0].0.resolved)?)?;
             }
         }
         Ok(rows)

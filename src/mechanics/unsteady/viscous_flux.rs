@@ -10,21 +10,22 @@
 //! surface as it is at the end of the step have it, if one side of them at least lies outside; rows on either side take it with opposite signs, so that none of it is a force.
 //! Nor is it a torque: of the symmetric stress `mu (du_c/dx_a + du_a/dx_c)` the parts on a corner push rows of both components. The second one has no divergence
 //! where the flow has none, but without it what begins and ends with the band turned bodies.
+//!
+//! Where one side of a face lies inside and the other outside, either row misses what the jump between them has beyond that of steady flow; of the mean of both, which is
+//! small, rows take a flux.
 
-use nalgebra::SVector;
-
+use super::near_surfaces::NearSurfaces;
 use crate::{
     error::Result,
     grid::{Block, Grid, Index, Node, operators::signed},
-    mechanics::system::{
-        bodies::BodyTypes,
-        points::{Point, within},
-    },
     petsc::{Scatter, Vector},
 };
 
 /// Distance from a surface, in cells, up to which fluxes are of fourth order.
-const BAND: f64 = 2.0;
+pub const BAND: f64 = 2.0;
+
+/// One over the weight of a third difference in a flux.
+const OVER_FACTOR: f64 = 12.0;
 
 /// Weights of the values in a row around a face in its third difference.
 const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
@@ -39,21 +40,17 @@ struct EdgeFace {
     first: usize,
 }
 
-/// What viscous fluxes of second order lack of a velocity beside bodies at these centres, into which it is extended, in momentum rows over viscosity. Collective.
-pub fn viscous_defect<const D: usize>(
-    grid: &Grid<D>,
-    body_types: &BodyTypes<D>,
-    centers: &[SVector<f64, D>],
-    extended: &Vector,
-) -> Result<Vector> {
-    let (gaps, near) = gaps(grid, body_types, centers, extended)?;
+/// What viscous fluxes of second order lack beside surfaces, in momentum rows over viscosity: of a velocity that is extended into bodies, as large a part as layers are `resolved`,
+/// and of jumps that change. Collective.
+pub fn viscous_defect<const D: usize>(grid: &Grid<D>, surfaces: &NearSurfaces, extended: &Vector, resolved: f64) -> Result<Vector> {
+    let NearSurfaces { gaps, unsteady, near } = surfaces;
     let (mut edges, mut wanted) = (Vec::new(), Vec::new());
     let mut defect = extended.like()?;
     let mut rows = defect.local_mut()?;
     {
-        let (own, gaps) = (extended.local()?, gaps.local()?);
+        let (own, gaps, unsteady) = (extended.local()?, gaps.local()?, unsteady.local()?);
         let blocks: [Block<D>; D] = std::array::from_fn(|component| grid.block(component));
-        for (place, component) in near {
+        for &(place, component) in near {
             let index = blocks[component].index(place - grid.local_range(component).start);
             for axis in 0..D {
                 let factors = factors(grid, component, axis);
@@ -61,23 +58,22 @@ pub fn viscous_defect<const D: usize>(
                     edge_faces(grid, component, (signed(index), axis), extended, (&mut edges, &mut wanted))?;
                     continue;
                 };
-                if of_fourth_order(around.map(|around| around.map(|place| gaps[place]))) {
-                    let flux = flux(factors, around.map(|around| around.map(|place| own[place])));
-                    rows[around[0][1]] -= flux;
-                    rows[around[0][2]] += flux;
-                }
+                let [gaps, velocities, jumps] =
+                    [&gaps, &own, &unsteady].map(|values| around.map(|around| around.map(|place| values[place])));
+                let flux = flux(factors, resolved, gaps, velocities) + crossing(factors[0], gaps[0], jumps[0]);
+                rows[around[0][1]] -= flux;
+                rows[around[0][2]] += flux;
             }
         }
     }
     let mut fetched = Scatter::new(extended, &wanted)?;
-    let (velocities, gaps) = (fetched.fetch(extended)?.to_vec(), fetched.fetch(&gaps)?);
+    let (velocities, unsteady, gaps) = (fetched.fetch(extended)?.to_vec(), fetched.fetch(unsteady)?.to_vec(), fetched.fetch(gaps)?);
     for EdgeFace { rows: [lower, upper], factors, first } in edges {
         let around = |values: &[f64]| [0, 4].map(|part| std::array::from_fn(|node| values[first + part + node]));
-        if of_fourth_order(around(gaps)) {
-            let flux = flux(factors, around(&velocities));
-            lower.into_iter().for_each(|row| rows[row] -= flux);
-            upper.into_iter().for_each(|row| rows[row] += flux);
-        }
+        let (gaps, jumps) = (around(gaps), around(&unsteady));
+        let flux = flux(factors, resolved, gaps, around(&velocities)) + crossing(factors[0], gaps[0], jumps[0]);
+        lower.into_iter().for_each(|row| rows[row] -= flux);
+        upper.into_iter().for_each(|row| rows[row] += flux);
     }
     drop(rows);
     Ok(defect)
@@ -86,11 +82,25 @@ pub fn viscous_defect<const D: usize>(
 /// Of the third differences around a face, in rows.
 fn factors<const D: usize>(grid: &Grid<D>, component: usize, axis: usize) -> [f64; 2] {
     let spacing = grid.spacing();
-    [axis, component].map(|across| 1.0 / (12.0 * spacing[axis] * spacing[across]))
+    [axis, component].map(|across| 1.0 / (OVER_FACTOR * spacing[axis] * spacing[across]))
 }
 
-fn flux(factors: [f64; 2], around: [[f64; 4]; 2]) -> f64 {
-    factors[0] * third_difference(around[0]) + factors[1] * third_difference(around[1])
+fn flux(factors: [f64; 2], resolved: f64, gaps: [[f64; 4]; 2], around: [[f64; 4]; 2]) -> f64 {
+    if !of_fourth_order(gaps) {
+        return 0.0;
+    }
+    resolved * (factors[0] * third_difference(around[0]) + factors[1] * third_difference(around[1]))
+}
+
+/// Of what jumps have beyond those of steady flow, at a face that a surface crosses.
+fn crossing(factor: f64, gaps: [f64; 4], jumps: [f64; 4]) -> f64 {
+    let [before, behind] = [gaps[1], gaps[2]];
+    // where a distance is not known no surface is near
+    if before.abs().max(behind.abs()) >= BAND || (before > 0.0) == (behind > 0.0) {
+        return 0.0;
+    }
+    let flux = OVER_FACTOR * factor * 0.5 * (jumps[1] + jumps[2]);
+    if before > 0.0 { -flux } else { flux }
 }
 
 /// The component and the index of the values around the face of a component behind an index along an axis.
@@ -129,33 +139,6 @@ fn local_around<const D: usize>(
         && corner[component] + 1 < other.end[component];
     let (place, step) = inside.then(|| (grid.local_range(axis).start + other.offset(corner), stride(other, component)))?;
     Some([along, [place - 2 * step, place - step, place, place + step]])
-}
-
-/// Distances of velocities from the nearest surface, in cells, infinite where it is far; and those of this rank that are near, with their components.
-fn gaps<const D: usize>(
-    grid: &Grid<D>,
-    body_types: &BodyTypes<D>,
-    centers: &[SVector<f64, D>],
-    shape: &Vector,
-) -> Result<(Vector, Vec<(usize, usize)>)> {
-    let (mut gaps, own, spacing, mut near) = (shape.like()?, shape.range()?, grid.spacing().max(), Vec::new());
-    gaps.fill(f64::INFINITY)?;
-    let mut values = gaps.local_mut()?;
-    for (body, center) in centers.iter().enumerate() {
-        let radius = body_types.surface(body).modes.radius();
-        within(grid, center, radius + BAND * spacing, |Point { component, place, offset, .. }| {
-            let gap = (offset.norm() - radius) / spacing;
-            if own.contains(&place) && gap > -BAND {
-                let known = &mut values[place - own.start];
-                if known.is_infinite() {
-                    near.push((place - own.start, component));
-                }
-                *known = known.min(gap);
-            }
-        });
-    }
-    drop(values);
-    Ok((gaps, near))
 }
 
 /// Whether the flux amid velocities at these distances from a surface, in cells, is one.

@@ -147,6 +147,7 @@ fn store_level<const D: usize>(writer: &mut CheckpointWriter, grid: &Grid<D>, na
     writer.shared(&format!("{name}_multipliers"), &level.multipliers.concat())?;
     writer.shared(&format!("{name}_smooth"), &level.smooth.concat())?;
     writer.shared(&format!("{name}_slow"), &level.slow.concat())?;
+    writer.shared(&format!("{name}_lagging"), &level.lagging.concat())?;
     writer.shared(&format!("{name}_centers"), &flat(&level.centers))?;
     let twists: Vec<f64> = level.twists.iter().flat_map(|twist| [twist.velocity.as_slice(), &components(&twist.spin)].concat()).collect();
     writer.shared(&format!("{name}_twists"), &twists)?;
@@ -187,6 +188,7 @@ fn read_level<const D: usize>(
         multipliers: by_body("multipliers")?,
         smooth: by_body("smooth")?,
         slow: by_body("slow")?,
+        lagging: by_body("lagging")?,
         centers: numbers("centers", D)?.chunks(D).map(SVector::from_column_slice).collect(),
         twists: numbers("twists", D + planes)?.chunks(D + planes).map(twist).collect(),
         spin_ups: numbers("spin_ups", planes)?.chunks(planes).map(<[f64]>::to_vec).collect(),
