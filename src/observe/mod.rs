@@ -3,6 +3,7 @@
 mod body;
 mod bonded;
 mod cells;
+mod displacements;
 mod dissipation;
 mod drag;
 mod energy;
@@ -31,6 +32,7 @@ pub use bonded::chains::ChainNumbers;
 pub use bonded::clusters::mean_orientation;
 pub use bonded::membranes::MembraneNumbers;
 pub use cells::{CellCenters, inside};
+pub use displacements::{Diffusivity, Displacements, MeanSquares};
 pub use dissipation::dissipation;
 pub use drag::{ForceCoefficients, Stream};
 pub use energy::EnergyRates;

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    AccuracySummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary, PairSummary, ParallelSummary, QuantitySummary,
-    ScalarSummary, Spread, TooShort, VelocitySummary,
+    AccuracySummary, DisplacementSummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary, PairSummary, ParallelSummary,
+    QuantitySummary, ScalarSummary, Spread, TooShort, VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
 };
 use crate::{
@@ -66,6 +66,8 @@ pub struct Summary {
     pub contact: Option<ContactSummary>,
     /// How bodies lie to each other, if the scene asks for it.
     pub pairs: Option<PairSummary>,
+    /// How far they go besides what carries all of them along, if the scene asks for it.
+    pub displacements: Option<DisplacementSummary>,
     /// What the last solve of the flow cost.
     pub solver: Option<SolverSummary>,
     /// The run as a whole, if it was one in time.
@@ -341,6 +343,7 @@ impl Summary {
             lubrication: None,
             contact: None,
             pairs: None,
+            displacements: None,
             solver: None,
             motion: None,
             ranks,

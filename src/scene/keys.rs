@@ -348,6 +348,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         checkpoint,
         probe,
         pairs,
+        displacements,
         profiles,
         energy,
         reference_velocity,
@@ -358,6 +359,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
     keys.extend(every.map(|every| number("output.every", every)));
     keys.extend(probe.map(|points| pair("output.probe", points)));
     if in_time {
+        keys.push(pair("output.displacements", displacements));
         keys.push(number("output.checkpoint", *checkpoint));
     }
     keys.extend(fields.filter(|_| model.fluid()).map(|fields| pair("output.fields", fields)));

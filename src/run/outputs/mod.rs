@@ -4,6 +4,7 @@ mod cell;
 mod charts;
 mod checkpoint;
 mod checksums;
+mod displacements;
 mod energy;
 mod fields;
 mod forces;
@@ -69,7 +70,9 @@ pub fn outputs<const D: usize>(
     if scene.gravity.is_some() {
         all.push(Box::new(settling::MeanSettling { folder: path() }));
     }
-    all.extend(picture.into_iter().chain(pairs).chain(profiles).chain([log]).chain(report));
+    let displacements =
+        scene.output.displacements.then(|| Box::new(displacements::DisplacementFiles { folder: path() }) as Box<dyn Output<D>>);
+    all.extend(picture.into_iter().chain(pairs).chain(displacements).chain(profiles).chain([log]).chain(report));
     Ok((all, points))
 }
 

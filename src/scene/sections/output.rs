@@ -12,7 +12,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 14] = [
+pub(in crate::scene) const KEYS: [Key; 15] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -65,6 +65,14 @@ pub(in crate::scene) const KEYS: [Key; 14] = [
         measured.",
     )
     .default("false"),
+    Key::new(
+        "displacements",
+        "true or false",
+        "true",
+        "Whether mean-square displacements of the free bodies are measured, less what the shear and their mean carry along, and the diffusivities that follow.",
+    )
+    .default("false")
+    .needs("time.end = 1.0"),
     Key::new(
         "profiles",
         "\"x\", \"y\", \"z\", or a list of them",
@@ -121,6 +129,8 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Whether displacements are.
+    pub displacements: bool,
     /// Axes across which profiles are measured, each once.
     pub profiles: Vec<usize>,
     /// Whether the balance of energy is written, which a flow with inertia has.
@@ -158,6 +168,7 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            displacements: false,
             profiles: Vec::new(),
             energy: false,
             reference_velocity: None,
@@ -190,6 +201,7 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            displacements: table.get("displacements").map_or(Ok(default.displacements), |entry| read_displacements(&entry, model))?,
             profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             energy: table.get("energy").map_or(Ok(default.energy), |entry| entry.flag())?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
@@ -283,4 +295,10 @@ fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
     let pairs = entry.flag()?;
     let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no pair distribution; remove it";
     entry.expect(pairs, !pairs || model != FlowModel::Scalar, remedy)
+}
+
+fn read_displacements(entry: &Entry, model: FlowModel) -> Result<bool> {
+    let displacements = entry.flag()?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") go nowhere; remove it";
+    entry.expect(displacements, !displacements || model != FlowModel::Scalar, remedy)
 }

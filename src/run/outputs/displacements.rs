@@ -1,0 +1,58 @@
+//! `displacements.csv`: mean-square displacements of a run, from its frames once it has ended.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::SVector;
+
+use super::pairs::steady_from;
+use crate::{
+    error::Result,
+    observe::{Displacements, Shear},
+    output::{DisplacementSummary, FrameFile, Summary, displacement_files},
+    run::{Output, View},
+};
+
+/// Measures displacements at the end.
+pub struct DisplacementFiles {
+    /// Where the files go, and where the frames are.
+    pub folder: PathBuf,
+}
+
+impl<const D: usize> Output<D> for DisplacementFiles {
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let Some(motion) = &view.motion else { return Ok(Vec::new()) };
+        let setup = view.flow.map(|flow| flow.solver.setup());
+        let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
+        let begin = steady_from(view.world, shear.as_ref(), motion.state().time, view.history.mean());
+        let free = motion.simulation.free();
+        // one rank alone: paths need all frames in turn
+        let found = view.world.on_first_rank(|| {
+            let mut found = Displacements::new(motion.domain(), shear);
+            let first = follow(&self.folder, begin, &free, &mut found)?;
+            let files = displacement_files(view.scene.shown_title(), &found);
+            Ok(first.map(|first| (DisplacementSummary::new(&found, first), files)))
+        })?;
+        if view.world.max(f64::from(found.is_some())) == 0.0 {
+            return Ok(Vec::new());
+        }
+        let (of_run, files) = found.unzip();
+        summary.displacements = of_run;
+        let files = files.unwrap_or_else(|| ["displacements.csv", "displacements.svg"].map(|name| (name, Vec::new())));
+        files.iter().map(|(name, bytes)| view.write_file(&self.folder, name, bytes)).collect()
+    }
+}
+
+/// Follows free bodies through the frames from a time on, and gives the first such time.
+fn follow<const D: usize>(folder: &Path, begin: f64, free: &[bool], found: &mut Displacements<D>) -> Result<Option<f64>> {
+    let mut first = None;
+    for file in FrameFile::of_run(folder)? {
+        if file.time()? < begin {
+            continue;
+        }
+        let frame = file.read::<D>()?;
+        let centers: Vec<SVector<f64, D>> = frame.bodies.iter().zip(free).filter(|(_, free)| **free).map(|(body, _)| body.center).collect();
+        found.add(frame.time, &centers);
+        first.get_or_insert(frame.time);
+    }
+    Ok(first)
+}
