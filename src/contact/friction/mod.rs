@@ -1,4 +1,4 @@
-//! Coulomb friction of dry bodies by the exact law, at the level of velocities and without stiffness.
+//! Coulomb friction by the exact law, at the level of velocities and without stiffness.
 //!
 //! Of each contact, with the normal from the body to the partner, the force `r = (r_N, r_T)` on the partner and the velocity `u = (u_N, u_T)` of its surface
 //! relative to the body's, `u_N` with the gap over the step: `r` lies in `{ |r_T| <= mu r_N }`, `u + mu |u_T| e_N` in the dual cone, and both are orthogonal
@@ -15,6 +15,7 @@ mod certificate;
 mod cone;
 mod exact;
 mod frame;
+mod held_rows;
 mod in_flow;
 mod interior_point;
 mod islands;
@@ -40,7 +41,8 @@ mod tests;
 
 pub use cone::ContactState;
 pub use frame::carried;
-pub use in_flow::{FlowContacts, HeldContact, HeldRow};
+pub use held_rows::HeldRow;
+pub use in_flow::{FlowContacts, HeldContact};
 pub use law::FrictionLaw;
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use program::FrictionIsland;

@@ -139,9 +139,10 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     pub fn in_medium(mut self, medium: Medium<W>) -> Self {
         let mobilities = medium.own_mobilities(&self.links);
         for (link, mobility) in self.links.iter_mut().zip(&mobilities) {
-            // nothing moves a contact without friction along its tangents
-            let tangential = mobility[1..].iter().sum::<f64>() / (D - 1) as f64;
-            let tangential = if tangential > 0.0 { tangential } else { 1.0 };
+            // nothing moves a contact without friction along its tangents, nor one that twists about them
+            let moved = mobility[1..].iter().filter(|mobility| **mobility > 0.0);
+            let (sum, count) = moved.fold((0.0, 0), |(sum, count), mobility| (sum + mobility, count + 1));
+            let tangential = if count > 0 { sum / f64::from(count) } else { 1.0 };
             link.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
         }
         let mobility_of = |leader: usize| mobilities[leader][0].sqrt();
