@@ -27,7 +27,7 @@ const AGREEMENT_IN_FILMS: f64 = FrictionReport::TOLERANCE_IN_FLOW;
 /// The same up to which the best that was found is taken after so many rounds: near jamming a contact may neither stick nor slip as others do, and the cone of
 /// one is exceeded by a part like this. It is told of each step, and of how many.
 const ACCEPTABLE: f64 = 1e-2;
-const PATIENCE: usize = 8;
+const PATIENCE: usize = 12;
 
 /// Tolerance of a solve over what the one before missed the law by, and over what is agreement.
 const FOLLOWS: f64 = 1e-2;
@@ -95,22 +95,18 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
         Agreed { solution, twists, contacts, friction: Some(self.contacts.report()), step_size }
     }
 
-    /// Goes on to the next states; false if there are none, as contacts leave bodies no way.
-    fn next(&mut self) -> bool {
+    /// Goes on to the next states.
+    fn next(&mut self) {
         let _stage = enter(Stage::Contacts);
         let by_network = self.contacts.by_network();
-        if by_network.is_none() && self.contacts.is_jammed() == Some(true) {
-            return false;
-        }
         if let Some(same) = by_network.as_ref().filter(|next| self.repeated < MOST_REPEATED && are_like(&self.held, next)) {
             // with new directions of slip and new forces about which redundant rows are regular, and solved to less
             (self.held, self.repeated) = (same.clone(), self.repeated + 1);
-            return true;
+            return;
         }
         let next = by_network.filter(|next| !self.was_tried(next)).unwrap_or_else(|| self.with_worst_changed());
         self.tried.push(std::mem::replace(&mut self.held, next));
         self.repeated = 0;
-        true
     }
 
     /// The states with those of the contacts changed that miss the law by at least half of the most, or else with the first one that makes them new.
@@ -171,6 +167,9 @@ impl<const D: usize> QuasiStatic<D> {
         for round in 0..MOST_ROUNDS {
             let start = Instant::now();
             let mut residual = rounds.contacts.take(&wrenches, &twists);
+            if round == 0 && !instant.springs.is_empty() && step != placed.state.last_step {
+                rounds.contacts.forget();
+            }
             if residual <= agreement {
                 let missing = self.missing(instant, &twists, step, &rounds.contacts)?;
                 if missing.is_empty() {
@@ -188,9 +187,10 @@ impl<const D: usize> QuasiStatic<D> {
             {
                 return Ok(best);
             }
-            if !rounds.next() || round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
+            if round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
                 return Err(jammed(instant, step));
             }
+            rounds.next();
             effort.contact += start.elapsed().as_secs_f64();
             self.stop.heed(self.session.world(), placed.state.time)?;
             let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(agreement * rounds.tightest()));

@@ -3,20 +3,22 @@
 //! A coupled solve takes the states of contacts as rows: `u = 0` where a contact sticks; `u_N = 0`, with a force along `n + mu s`, where it slips, `s` being
 //! the direction of friction on the partner. In three dimensions a slipping contact resists across `s` as Newton's method has it, `u_a + c r_a = 0` with
 //! `c = |u_T| / (mu r_N)`. What it finds, forces `r` and velocities `u`, is the solution if the natural map of the exact law is zero. If not, the exact law is
-//! solved for the network alone, `u' = W r' + (u - W r)`, and the states of that go into the next solve.
+//! solved for the network alone, `u' = W r' + (u - W r)`, and the states of that go into the next solve. The network learns from each: [secants](super::secant)
+//! make its `W` that of the flow along all changes of forces that were tried in the step.
 //!
 //! What turns a contact is held in the same way ([`held_rows`](super::held_rows)).
 
 use nalgebra::SVector;
 
 use super::{
-    ContactWrench, FrictionLaw,
+    ContactWrench, FrictionLaw, HeldContact,
     cone::{ContactState, larger, tangential_size},
     frame::Frame,
     interior_point::follow,
     law::Turn,
     network::ImmersedBodies,
     program::{FrictionIsland, FrictionProgram},
+    secant::{Solved, corrections},
 };
 use crate::{
     body::Twist,
@@ -26,25 +28,10 @@ use crate::{
 /// Residual at which the exact law of the network is solved.
 const AIM: f64 = 1e-9;
 
-/// Residual up to which its solution is one, and up to which it is of use; and the start from the forces of the last solve where it is not.
+/// Residual up to which its solution is one, and up to which it is of use; and the starts from the forces of the last solve where it is not.
 const SOLVED: f64 = 1e-6;
-const USEFUL: f64 = 1e-2;
-const NEAR: f64 = 1e-1;
-
-/// How a contact, or what turns one, is held in a coupled solve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeldContact<const D: usize> {
-    /// What it does.
-    pub state: ContactState,
-    /// Force on the partner near which it is looked for; of what turns a contact the couple over the reduced radius, an axial vector.
-    pub force: SVector<f64, D>,
-    /// Direction of friction on the partner where it slips; zero where it does so freely.
-    pub direction: SVector<f64, D>,
-    /// Speed of the slip over the force of friction.
-    pub ease: f64,
-    /// Whether it slips along one line, one way or the other.
-    pub along_line: bool,
-}
+const USEFUL: f64 = 5e-2;
+const NEAR: [f64; 3] = [1e-1, 1e-2, 1.0];
 
 /// Contacts of one step, with bodies of `W` unknowns each.
 pub struct FlowContacts<'a, const D: usize, const W: usize> {
@@ -59,7 +46,11 @@ pub struct FlowContacts<'a, const D: usize, const W: usize> {
     /// Contacts, and then what turns them.
     pub(super) program: FrictionProgram<D, W>,
     /// What the last coupled solve found, in the rows of the program.
-    found: Vec<([f64; D], [f64; D])>,
+    found: Solved<D>,
+    /// What those before it found in the same step.
+    solved: Vec<Solved<D>>,
+    /// Whether the last one was in another step.
+    of_other_step: bool,
     /// Most iterations of the network's program.
     iterations: usize,
 }
@@ -78,7 +69,18 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let (program, turns) = (island.program_of(&free), island.turns().collect());
         let program = if contacts.is_empty() { program } else { program.in_medium(resistance.medium(&free)) };
         let frames = contacts.iter().map(|contact| Frame::new(contact, balls)).collect();
-        FlowContacts { immersed, frames, laws, turns, program, found: Vec::new(), iterations: 0, contacts }
+        FlowContacts {
+            immersed,
+            frames,
+            laws,
+            turns,
+            program,
+            found: (Vec::new(), Vec::new()),
+            solved: Vec::new(),
+            of_other_step: false,
+            iterations: 0,
+            contacts,
+        }
     }
 
     /// Takes what a coupled solve found, and gives how far from the law it is: the largest component of the natural map, over that of the velocities that
@@ -86,15 +88,26 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     pub fn take(&mut self, wrenches: &[ContactWrench<D>], twists: &[Twist<D>]) -> f64 {
         let scaled = self.scaled_forces(wrenches);
         let velocities: Vec<[f64; D]> = (0..scaled.len()).map(|link| self.scaled_velocity(link, twists)).collect();
-        let motion = self.program.motion(&scaled);
-        for (link, velocity) in self.program.links.iter_mut().zip(&velocities) {
-            let rates = link.rates(&motion);
+        let solved = (scaled, velocities);
+        let last = std::mem::take(&mut self.found);
+        if !last.0.is_empty() && !std::mem::take(&mut self.of_other_step) {
+            self.solved.push(last);
+        }
+        self.program.modes = corrections(&solved, &self.solved, |forces| self.program.rates_alone(forces));
+        self.program.links.iter_mut().for_each(|link| link.offset = [0.0; D]);
+        let rates = self.program.velocities_by(&solved.0);
+        for (link, (velocity, rates)) in self.program.links.iter_mut().zip(solved.1.iter().zip(&rates)) {
             link.offset = std::array::from_fn(|axis| velocity[axis] - rates[axis]);
         }
         let offsets = self.program.links.iter().flat_map(|link| link.offset);
         self.program.unit = offsets.fold(f64::MIN_POSITIVE, |unit, offset| unit.max(offset.abs()));
-        self.found = scaled.into_iter().zip(velocities).collect();
+        self.found = solved;
         self.residual()
+    }
+
+    /// Forgets that the last solve was one of this step: springs moved in another one.
+    pub fn forget(&mut self) {
+        self.of_other_step = true;
     }
 
     fn residual(&self) -> f64 {
@@ -103,25 +116,24 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     /// By how much each contact, and what turns them, misses the law.
     pub fn misses(&self) -> Vec<f64> {
-        let forces: Vec<[f64; D]> = self.found.iter().map(|(force, _)| *force).collect();
-        self.found.iter().enumerate().map(|(place, (_, velocity))| self.program.miss(place, &forces, velocity)).collect()
+        let (forces, velocities) = &self.found;
+        velocities.iter().enumerate().map(|(place, velocity)| self.program.miss(place, forces, velocity)).collect()
     }
 
     /// How contacts are held where the network obeys the law; nothing if that is not found.
     pub fn by_network(&mut self) -> Option<Vec<HeldContact<D>>> {
         let mut best = follow(&self.program, &vec![[0.0; D]; self.program.links.len()], (1.0, AIM));
-        if best.residual > SOLVED {
-            let found: Vec<[f64; D]> = self.found.iter().map(|(force, _)| *force).collect();
-            let again = follow(&self.program, &self.program.within(&found), (NEAR, AIM));
-            if again.residual < best.residual {
-                best = again;
+        for start in NEAR {
+            if best.residual > SOLVED {
+                let again = follow(&self.program, &self.program.within(&self.found.0), (start, AIM));
+                best = if again.residual < best.residual { again } else { best };
             }
         }
         self.iterations = self.iterations.max(best.iterations);
         if best.residual > USEFUL {
             return None;
         }
-        let velocities = self.program.velocities(&self.program.motion(&best.forces));
+        let velocities = self.program.velocities_by(&best.forces);
         Some(self.all_held(&best.forces, &velocities))
     }
 
@@ -132,8 +144,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     /// How they are held by what each alone makes of the last solve.
     pub fn by_contact(&self) -> Vec<HeldContact<D>> {
-        let (forces, velocities): (Vec<[f64; D]>, Vec<[f64; D]>) = self.found.iter().copied().unzip();
-        self.all_held(&forces, &velocities)
+        self.all_held(&self.found.0, &self.found.1)
     }
 
     /// How contacts are held that bore these forces and couples before.
@@ -201,12 +212,12 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let states: Vec<ContactState> = self.by_contact()[..self.contacts.len()].iter().map(|held| held.state).collect();
         let count = |which: ContactState| states.iter().filter(|&&state| state == which).count();
         let power = |link: usize| {
-            let ((force, velocity), contact) = (&self.found[link], &self.contacts[self.contact_of(link)]);
+            let (force, velocity, contact) = (&self.found.0[link], &self.found.1[link], &self.contacts[self.contact_of(link)]);
             // forces and velocities are scaled by factors whose product is one
             let whole: f64 = force.iter().zip(velocity).map(|(force, velocity)| force * velocity).sum();
             whole - force[0] * contact.gap / self.immersed.step / self.program.links[link].norms[0]
         };
-        let powers = (0..self.found.len()).map(power);
+        let powers = (0..self.found.0.len()).map(power);
         FrictionReport {
             residual: self.residual(),
             sticking: count(ContactState::Sticking),
@@ -215,21 +226,5 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
             sweeps: 0,
             iterations: self.iterations,
         }
-    }
-}
-
-impl<const D: usize> HeldContact<D> {
-    /// Whether friction resists a slip: not below the critical load, nor of smooth surfaces.
-    pub(super) fn rubs(&self) -> bool {
-        self.direction != SVector::<f64, D>::zeros()
-    }
-
-    /// Whether two say the same: of slips along a line there are two, along a plane any number.
-    pub fn is_like(&self, other: &HeldContact<D>) -> bool {
-        if self.state == ContactState::Slipping && !(self.rubs() && other.rubs()) {
-            return other.state == self.state && self.rubs() == other.rubs();
-        }
-        let same_way = !self.along_line || self.state != ContactState::Slipping || self.direction.dot(&other.direction) > 0.0;
-        self.state == other.state && same_way
     }
 }

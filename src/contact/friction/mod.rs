@@ -10,11 +10,13 @@
 //! An island is solved by sweeps and an interior point of the exact law; where neither reaches the tolerance the best forces are taken, and the residual
 //! is told. In any case the least change of velocities follows with which nothing overlaps; its forces are normal ones, and add to those found.
 
+mod bordered;
 mod bounds;
 mod certificate;
 mod cone;
 mod exact;
 mod frame;
+mod held_contact;
 mod held_rows;
 mod in_flow;
 mod interior_point;
@@ -28,6 +30,7 @@ mod network;
 mod pairs;
 mod program;
 mod project;
+mod secant;
 mod share;
 mod surfaces;
 mod sweeps;
@@ -41,8 +44,9 @@ mod tests;
 
 pub use cone::ContactState;
 pub use frame::carried;
+pub use held_contact::HeldContact;
 pub use held_rows::HeldRow;
-pub use in_flow::{FlowContacts, HeldContact};
+pub use in_flow::FlowContacts;
 pub use law::FrictionLaw;
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use program::FrictionIsland;

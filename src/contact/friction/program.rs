@@ -12,6 +12,7 @@ use super::{
     frame::Frame,
     link::{Link, NONE},
     medium::Medium,
+    secant::{MobilityMode, combined, dot},
 };
 use crate::{
     body::Twist,
@@ -32,6 +33,8 @@ pub struct FrictionProgram<const D: usize, const W: usize> {
     pub unit: f64,
     /// What resists motions besides the bodies, in a fluid: velocities are `A R^-1 A^T r + q` then.
     pub medium: Rc<Medium<W>>,
+    /// What corrects the mobility of contacts besides.
+    pub modes: Vec<MobilityMode<D>>,
 }
 
 /// Bodies on their way over a step, with contacts between them by place.
@@ -70,7 +73,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
             self.contacts.iter().zip(self.laws).map(|(contact, law)| self.link(contact, law.coefficient, free)).collect();
         let (links, bounds) = self.with_turns(links, free);
         let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
-        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, bounds, unit }
+        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, bounds, unit, modes: Vec::new() }
     }
 
     fn link<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> Link<D, W> {
@@ -115,7 +118,9 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         let place = |whole: usize| places.binary_search(&whole).expect("the contact is one of them");
         let bound = |bound: &Bound| Bound { leader: place(bound.leader), ..*bound };
         let bounds = places.iter().filter_map(|&whole| self.bounds.get(whole).map(bound)).collect();
-        FrictionProgram { links, bounds, medium: self.medium.clone(), ..*self }
+        let of_mode = |mode: &MobilityMode<D>| MobilityMode { rates: places.iter().map(|&place| mode.rates[place]).collect(), ..*mode };
+        let modes = self.modes.iter().map(of_mode).collect();
+        FrictionProgram { links, bounds, medium: self.medium.clone(), modes, ..*self }
     }
 
     /// The two bodies of each contact; the same twice if it has one.
@@ -151,7 +156,22 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         self
     }
 
-    /// `u = A x + q`.
+    /// The amplitudes of what corrects the mobility.
+    pub fn amplitudes(&self, forces: &[[f64; D]]) -> Vec<f64> {
+        self.modes.iter().map(|mode| mode.gain * dot(&mode.rates, forces)).collect()
+    }
+
+    /// `u` by forces.
+    pub fn velocities_by(&self, forces: &[[f64; D]]) -> Vec<[f64; D]> {
+        self.with_modes(self.velocities(&self.motion(forces)), &self.amplitudes(forces))
+    }
+
+    /// Velocities with what corrects the mobility, at these amplitudes.
+    pub fn with_modes(&self, velocities: Vec<[f64; D]>, amplitudes: &[f64]) -> Vec<[f64; D]> {
+        self.modes.iter().zip(amplitudes).fold(velocities, |sum, (mode, amplitude)| combined(&sum, &mode.rates, *amplitude))
+    }
+
+    /// `u = A x + q`, without what corrects the mobility.
     pub fn velocities(&self, motion: &[[f64; W]]) -> Vec<[f64; D]> {
         let velocity = |link: &Link<D, W>| {
             let mut velocity = link.rates(motion);
@@ -163,12 +183,16 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
 
     /// The largest component of the natural map, over the largest of `q`.
     pub fn residual(&self, forces: &[[f64; D]]) -> f64 {
-        self.residual_of(forces, &self.motion(forces))
+        self.residual_at(forces, self.velocities_by(forces))
     }
 
     /// The same where the motion of these forces is known.
     pub fn residual_of(&self, forces: &[[f64; D]], motion: &[[f64; W]]) -> f64 {
-        let largest = self.velocities(motion).into_iter().enumerate().map(|(place, velocity)| self.miss(place, forces, &velocity));
+        self.residual_at(forces, self.velocities(motion))
+    }
+
+    fn residual_at(&self, forces: &[[f64; D]], velocities: Vec<[f64; D]>) -> f64 {
+        let largest = velocities.into_iter().enumerate().map(|(place, velocity)| self.miss(place, forces, &velocity));
         largest.fold(0.0, larger) / self.unit
     }
 }
