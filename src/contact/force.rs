@@ -14,17 +14,24 @@ pub struct ContactForce<const D: usize> {
     pub force: f64,
     /// Force of friction on the partner, across the normal, and on the body against it.
     pub tangential: SVector<f64, D>,
+    /// In a flow the couple against rolling and twisting on the partner, a skew matrix, and on the body against it.
+    pub couple: SMatrix<f64, D, D>,
 }
 
 impl<const D: usize> ContactForce<D> {
     /// A force along the normal alone.
     pub fn normal(contact: Contact<D>, force: f64) -> ContactForce<D> {
-        ContactForce { contact, force, tangential: SVector::zeros() }
+        ContactForce { contact, force, tangential: SVector::zeros(), couple: SMatrix::zeros() }
     }
 
     /// The force on the partner.
     pub fn whole(&self) -> SVector<f64, D> {
         self.contact.normal * self.force + self.tangential
+    }
+
+    /// What the couple adds to the stress times volume, as a given torque on the body does: nothing between bodies, of which each has the opposite one.
+    pub fn stress_of_couple(&self) -> SMatrix<f64, D, D> {
+        if self.contact.other().is_some() { SMatrix::zeros() } else { self.couple * 0.5 }
     }
 }
 

@@ -11,7 +11,8 @@ use crate::{body::Motion, contact::ContactForce, interaction::PairForce};
 /// The shear stress, contacts included: `viscosity x rate`, and what stresslets and forces between bodies add over the volume.
 pub fn shear_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, contacts: &[ContactForce<D>]) -> f64 {
     let stresslets: SMatrix<f64, D, D> = solution.bodies.iter().map(|state| state.stresslet).sum();
-    let of_contacts: SMatrix<f64, D, D> = contacts.iter().map(|contact| PairForce::from(contact).stress()).sum();
+    let of_contacts: SMatrix<f64, D, D> =
+        contacts.iter().map(|contact| PairForce::from(contact).stress() + contact.stress_of_couple()).sum();
     let along = SVector::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 });
     let loads = load_stress(setup, solution, (along, 1));
     let others = [solution.pair_stress, solution.bond_stress, loads];

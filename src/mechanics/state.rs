@@ -35,6 +35,8 @@ pub struct ContactHistory<const D: usize> {
     pub force: f64,
     /// The force of friction on the partner, as a vector in space: frames of contacts turn.
     pub tangential: SVector<f64, D>,
+    /// In a flow the couple against rolling and twisting on the partner, a skew matrix.
+    pub couple: SMatrix<f64, D, D>,
 }
 
 /// Where a body of given motion is.
@@ -125,25 +127,27 @@ impl<const D: usize> Moving<D> {
 
 impl<const D: usize> ContactHistory<D> {
     /// How many numbers [`pack`](Self::pack) makes.
-    pub const LENGTH: usize = packed_length::<D>() + D;
+    pub const LENGTH: usize = packed_length::<D>() + D + D * (D - 1) / 2;
 
     /// The memory of a contact force.
     pub fn of(contact: &ContactForce<D>) -> ContactHistory<D> {
-        let ContactForce { contact, force, tangential } = *contact;
-        ContactHistory { body: contact.body, partner: contact.partner, image: contact.image, force, tangential }
+        let ContactForce { contact, force, tangential, couple } = *contact;
+        ContactHistory { body: contact.body, partner: contact.partner, image: contact.image, force, tangential, couple }
     }
 
     /// It as numbers.
     pub fn pack(&self) -> Vec<f64> {
         let mut numbers = pack(self.identity(), self.force);
         numbers.extend(&self.tangential);
+        numbers.extend(components(&self.couple));
         numbers
     }
 
     /// What [`pack`](Self::pack) was given.
     pub fn unpack(numbers: &[f64]) -> ContactHistory<D> {
         let ((body, partner, image), force) = unpack(numbers);
-        ContactHistory { body, partner, image, force, tangential: SVector::from_column_slice(&numbers[packed_length::<D>()..]) }
+        let (tangential, couple) = numbers[packed_length::<D>()..].split_at(D);
+        ContactHistory { body, partner, image, force, tangential: SVector::from_column_slice(tangential), couple: skew(couple) }
     }
 
     /// The bodies that it concerns.

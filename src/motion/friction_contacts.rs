@@ -2,8 +2,6 @@
 
 use std::collections::{HashMap, HashSet};
 
-use nalgebra::SVector;
-
 use super::{
     implicit_springs::{kept_apart, pair},
     quasi_static::{KnownInstant, Placed, QuasiStatic, velocities},
@@ -11,7 +9,7 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Contact, FlowContacts, Identity, NetworkResistance},
+    contact::{Contact, ContactWrench, FlowContacts, Identity, NetworkResistance},
     error::{Error, Result},
     interaction::Friction,
     mechanics::ContactHistory,
@@ -21,8 +19,8 @@ use crate::{
 const CLOSING: f64 = 2.0;
 const NEAREST: f64 = 0.02;
 
-/// Forces by contact, as vectors on the partner.
-pub(super) type Forces<const D: usize> = HashMap<Identity<D>, SVector<f64, D>>;
+/// What contacts do to their partners, forces as vectors in space.
+pub(super) type Wrenches<const D: usize> = HashMap<Identity<D>, ContactWrench<D>>;
 
 impl<const D: usize> QuasiStatic<D> {
     /// What bodies resist as a network, with what ties them over a step.
@@ -34,14 +32,14 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// Contacts that may close in a step, and those that bear forces, in order.
-    pub(super) fn may_touch(&self, instant: &KnownInstant<D>, twists: &[Twist<D>], step: f64, forces: &Forces<D>) -> Vec<Contact<D>> {
+    pub(super) fn may_touch(&self, instant: &KnownInstant<D>, twists: &[Twist<D>], step: f64, known: &Wrenches<D>) -> Vec<Contact<D>> {
         let placed = &instant.placed;
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let closing = CLOSING * step / self.time_of_travel(placed, twists);
         let mut contacts = self.arrangement_of(placed, &placed.touching).near(closing.max(NEAREST) * largest);
         contacts.retain(self.untied(instant, step));
         let found: HashSet<Identity<D>> = contacts.iter().map(Contact::identity).collect();
-        let others = forces.keys().filter(|identity| !found.contains(*identity));
+        let others = known.keys().filter(|identity| !found.contains(*identity));
         contacts.extend(others.map(|&identity| contact_again(placed, identity)));
         contacts.sort_by_key(Contact::identity);
         contacts
@@ -90,16 +88,17 @@ pub(super) fn contact_again<const D: usize>(placed: &Placed<D>, identity: Identi
     Contact::again(&placed.domain, &placed.touching, identity)
 }
 
-/// The forces of contacts in the last step.
-pub(super) fn forces_of<const D: usize>(placed: &Placed<D>) -> Forces<D> {
-    let force = |held: &ContactHistory<D>| {
+/// What contacts did in the last step.
+pub(super) fn wrenches_of<const D: usize>(placed: &Placed<D>) -> Wrenches<D> {
+    let wrench = |held: &ContactHistory<D>| {
         let normal = contact_again(placed, held.identity()).normal;
-        normal * (held.force - normal.dot(&held.tangential)) + held.tangential
+        let force = normal * (held.force - normal.dot(&held.tangential)) + held.tangential;
+        ContactWrench { force, couple: held.couple }
     };
-    placed.state.held.iter().map(|held| (held.identity(), force(held))).collect()
+    placed.state.held.iter().map(|held| (held.identity(), wrench(held))).collect()
 }
 
-/// The forces of contacts, zero where none is known.
-pub(super) fn forces_at<const D: usize, const W: usize>(contacts: &FlowContacts<D, W>, forces: &Forces<D>) -> Vec<SVector<f64, D>> {
-    contacts.contacts.iter().map(|contact| forces.get(&contact.identity()).copied().unwrap_or_else(SVector::zeros)).collect()
+/// What contacts do, nothing where none is known.
+pub(super) fn wrenches_at<const D: usize, const W: usize>(contacts: &FlowContacts<D, W>, known: &Wrenches<D>) -> Vec<ContactWrench<D>> {
+    contacts.contacts.iter().map(|contact| known.get(&contact.identity()).copied().unwrap_or_else(ContactWrench::zero)).collect()
 }

@@ -4,17 +4,15 @@
 
 use std::time::Instant;
 
-use nalgebra::SVector;
-
 use super::{
-    friction_contacts::{Forces, contact_again, forces_at, forces_of, jammed},
+    friction_contacts::{Wrenches, contact_again, jammed, wrenches_at, wrenches_of},
     quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, QuasiStatic, disagreement},
     step_control::StepSize,
     stepper::Effort,
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Contact, ContactForce, FlowContacts, FrictionReport, HeldContact, ImmersedBodies},
+    contact::{Contact, ContactForce, ContactWrench, FlowContacts, FrictionReport, HeldContact, ImmersedBodies},
     error::Result,
     interaction::Spring,
     mechanics::{ResidualMonitor, Solution},
@@ -29,7 +27,7 @@ const AGREEMENT_IN_FILMS: f64 = FrictionReport::TOLERANCE_IN_FLOW;
 /// The same up to which the best that was found is taken after so many rounds: near jamming a contact may neither stick nor slip as others do, and the cone of
 /// one is exceeded by a part like this. It is told of each step, and of how many.
 const ACCEPTABLE: f64 = 1e-2;
-const PATIENCE: usize = 8;
+const PATIENCE: usize = 12;
 
 /// Tolerance of a solve over what the one before missed the law by, and over what is agreement.
 const FOLLOWS: f64 = 1e-2;
@@ -46,7 +44,7 @@ const WORST: f64 = 0.5;
 struct FirstFlow<const D: usize> {
     solution: Solution<D>,
     twists: Vec<Twist<D>>,
-    forces: Forces<D>,
+    wrenches: Wrenches<D>,
     step_size: StepSize,
 }
 
@@ -61,20 +59,20 @@ struct Rounds<'a, const D: usize, const W: usize> {
 }
 
 impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
-    /// Contacts that are held as those with these forces were.
-    fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>, forces: &Forces<D>) -> Self {
+    /// Contacts that are held as those with these wrenches were.
+    fn new(immersed: ImmersedBodies<'a, D>, contacts: Vec<Contact<D>>, wrenches: &Wrenches<D>) -> Self {
         let contacts = FlowContacts::new(immersed, contacts);
-        let held = contacts.by_forces(&forces_at(&contacts, forces));
+        let held = contacts.by_wrenches(&wrenches_at(&contacts, wrenches));
         Rounds { contacts, held, tried: Vec::new(), repeated: 0 }
     }
 
     /// The same with more contacts, which bear no force yet.
-    fn with(self, immersed: ImmersedBodies<'a, D>, more: Vec<Contact<D>>, forces: &mut Vec<SVector<f64, D>>) -> Self {
-        let known: Forces<D> = self.contacts.contacts.iter().map(Contact::identity).zip(forces.iter().copied()).collect();
+    fn with(self, immersed: ImmersedBodies<'a, D>, more: Vec<Contact<D>>, wrenches: &mut Vec<ContactWrench<D>>) -> Self {
+        let known: Wrenches<D> = self.contacts.contacts.iter().map(Contact::identity).zip(wrenches.iter().copied()).collect();
         let mut contacts = [self.contacts.contacts, more].concat();
         contacts.sort_by_key(Contact::identity);
         let rounds = Rounds::new(immersed, contacts, &known);
-        *forces = forces_at(&rounds.contacts, &known);
+        *wrenches = wrenches_at(&rounds.contacts, &known);
         rounds
     }
 
@@ -83,35 +81,32 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
         &self,
         instant: &KnownInstant<D>,
         (solution, twists): (Solution<D>, Vec<Twist<D>>),
-        forces: &[SVector<f64, D>],
+        wrenches: &[ContactWrench<D>],
         step_size: StepSize,
     ) -> Agreed<D> {
         let mut contacts = instant.forces.contacts.clone();
-        for (contact, force) in self.contacts.contacts.iter().zip(forces) {
+        for (contact, ContactWrench { force, couple }) in self.contacts.contacts.iter().zip(wrenches) {
             let normal = force.dot(&contact.normal);
             if normal > 0.0 {
-                contacts.push(ContactForce { contact: *contact, force: normal, tangential: force - contact.normal * normal });
+                let tangential = force - contact.normal * normal;
+                contacts.push(ContactForce { contact: *contact, force: normal, tangential, couple: *couple });
             }
         }
         Agreed { solution, twists, contacts, friction: Some(self.contacts.report()), step_size }
     }
 
-    /// Goes on to the next states; false if there are none, as contacts leave bodies no way.
-    fn next(&mut self) -> bool {
+    /// Goes on to the next states.
+    fn next(&mut self) {
         let _stage = enter(Stage::Contacts);
         let by_network = self.contacts.by_network();
-        if by_network.is_none() && self.contacts.is_jammed() == Some(true) {
-            return false;
-        }
         if let Some(same) = by_network.as_ref().filter(|next| self.repeated < MOST_REPEATED && are_like(&self.held, next)) {
             // with new directions of slip and new forces about which redundant rows are regular, and solved to less
             (self.held, self.repeated) = (same.clone(), self.repeated + 1);
-            return true;
+            return;
         }
         let next = by_network.filter(|next| !self.was_tried(next)).unwrap_or_else(|| self.with_worst_changed());
         self.tried.push(std::mem::replace(&mut self.held, next));
         self.repeated = 0;
-        true
     }
 
     /// The states with those of the contacts changed that miss the law by at least half of the most, or else with the first one that makes them new.
@@ -157,46 +152,51 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Agreed<D>> {
         let placed = &instant.placed;
         let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
-        let FirstFlow { mut solution, mut twists, forces, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
+        let FirstFlow { mut solution, mut twists, wrenches, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
         let (network, surfaces) = (self.network(instant, step), instant.interactions.surfaces());
         let immersed = ImmersedBodies { domain: &placed.domain, balls: &placed.touching, resistance: &network, surfaces: &surfaces, step };
-        let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &forces), &forces);
-        let mut forces = forces_at(&rounds.contacts, &forces);
+        let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &wrenches), &wrenches);
+        let mut wrenches = wrenches_at(&rounds.contacts, &wrenches);
         if begins_on_springs(instant) {
             // of springs the step is a part
-            (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+            (solution, twists, wrenches) =
+                self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
         }
         let mut best: Option<Agreed<D>> = None;
         for round in 0..MOST_ROUNDS {
             let start = Instant::now();
-            let mut residual = rounds.contacts.take(&forces, &twists);
+            let mut residual = rounds.contacts.take(&wrenches, &twists);
+            if round == 0 && !instant.springs.is_empty() && step != placed.state.last_step {
+                rounds.contacts.forget();
+            }
             if residual <= agreement {
                 let missing = self.missing(instant, &twists, step, &rounds.contacts)?;
                 if missing.is_empty() {
                     effort.contact += start.elapsed().as_secs_f64();
-                    return Ok(rounds.agreed(instant, (solution, twists), &forces, step_size));
+                    return Ok(rounds.agreed(instant, (solution, twists), &wrenches, step_size));
                 }
-                rounds = rounds.with(immersed, missing, &mut forces);
-                residual = rounds.contacts.take(&forces, &twists);
+                rounds = rounds.with(immersed, missing, &mut wrenches);
+                residual = rounds.contacts.take(&wrenches, &twists);
             }
             if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < missed_by(best)) {
-                best = Some(rounds.agreed(instant, (solution, twists), &forces, step_size));
+                best = Some(rounds.agreed(instant, (solution, twists), &wrenches, step_size));
             }
             if round >= PATIENCE
                 && let Some(best) = best.take()
             {
                 return Ok(best);
             }
-            if !rounds.next() || round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
+            if round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
                 return Err(jammed(instant, step));
             }
+            rounds.next();
             effort.contact += start.elapsed().as_secs_f64();
             self.stop.heed(self.session.world(), placed.state.time)?;
             let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(agreement * rounds.tightest()));
-            (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
+            (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
         }
-        let residual = rounds.contacts.take(&forces, &twists);
+        let residual = rounds.contacts.take(&wrenches, &twists);
         Err(disagreement(placed.state.time, step, &format!("the law of friction is missed by {residual:.1e}")))
     }
 
@@ -209,21 +209,22 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<FirstFlow<D>> {
         let (placed, step) = (&instant.placed, instant.placed.state.last_step);
         let balls = &placed.touching;
-        let memory = if step > 0.0 { forces_of(placed) } else { Forces::new() };
+        let memory = if step > 0.0 { wrenches_of(placed) } else { Wrenches::new() };
         let network = self.network(instant, step);
         let surfaces = instant.interactions.surfaces();
         let immersed = ImmersedBodies { domain: &placed.domain, balls, resistance: &network, surfaces: &surfaces, step };
         let mut contacts: Vec<Contact<D>> = memory.keys().map(|&identity| contact_again(placed, identity)).collect();
         contacts.sort_by_key(Contact::identity);
         let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
-        let (solution, twists, forces) = self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
-        let forces = rounds.contacts.contacts.iter().map(Contact::identity).zip(forces).collect();
+        let (solution, twists, wrenches) =
+            self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+        let wrenches = rounds.contacts.contacts.iter().map(Contact::identity).zip(wrenches).collect();
         let pushes = if begins_on_springs(instant) { Spring::pulled(&instant.springs, instant.pushes()) } else { instant.pushes() };
         let step_size = self.step_size(placed, &twists, &pushes, instant.tried)?;
-        Ok(FirstFlow { solution, twists, forces, step_size })
+        Ok(FirstFlow { solution, twists, wrenches, step_size })
     }
 
-    /// Solves the flow with contacts held as rounds have them; gives the force of each on its partner.
+    /// Solves the flow with contacts held as rounds have them; gives the wrench of each on its partner.
     fn flow_with_friction<const W: usize>(
         &mut self,
         instant: &KnownInstant<D>,
@@ -231,14 +232,16 @@ impl<const D: usize> QuasiStatic<D> {
         (step, tolerance): (f64, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
-    ) -> Result<(Solution<D>, Vec<Twist<D>>, Vec<SVector<f64, D>>)> {
+    ) -> Result<(Solution<D>, Vec<Twist<D>>, Vec<ContactWrench<D>>)> {
         let held = rounds.contacts.rows(&rounds.held);
         let (rows, guess): (Vec<Row<D>>, Vec<f64>) = held.iter().map(|held| (held.row.clone(), held.guess)).unzip();
         let rows = FlowRows { rows: &rows, guess: &guess, pushes: &instant.pushes(), step, tolerance };
         let (solution, twists) = self.flow_with(instant, &rows, effort, monitor)?;
-        let mut forces = vec![SVector::zeros(); rounds.held.len()];
-        held.iter().zip(&solution.contact_forces).for_each(|(held, force)| forces[held.contact] += held.unit * *force);
-        Ok((solution, twists, forces))
+        let mut wrenches = vec![ContactWrench::zero(); rounds.contacts.contacts.len()];
+        for (held, force) in held.iter().zip(&solution.contact_forces) {
+            wrenches[held.contact] = wrenches[held.contact] + held.unit * *force;
+        }
+        Ok((solution, twists, wrenches))
     }
 }
 

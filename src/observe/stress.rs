@@ -74,7 +74,7 @@ impl<const D: usize> Stress<D> {
         let rubs = setup.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0);
         let along =
             |pressed: &ContactForce<D>| PairForce { contact: pressed.contact, force: pressed.tangential, torques: [SMatrix::zeros(); 2] };
-        let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|pressed| along(pressed).stress()).sum();
+        let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|pressed| along(pressed).stress() + pressed.stress_of_couple()).sum();
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
         let at_a_distance = [solution.pair_stress, load_stress(setup, solution, (shear.flow, shear.gradient))]
             .into_iter()

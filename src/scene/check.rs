@@ -194,20 +194,15 @@ fn frictions_of_groups(scene: &Scene) -> impl Iterator<Item = (String, FrictionL
     (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)))
 }
 
-/// Refuses friction against rolling and twisting where nothing resists these.
+/// Refuses friction against twisting where bodies have no such spin.
 fn check_turning(scene: &Scene) -> Result<()> {
     let ContactSection { friction, wall_friction, .. } = scene.contact;
     let of_walls = wall_friction.map(|law| ("contact.wall_friction".to_owned(), law));
     for (key, law) in std::iter::once(("contact.friction".to_owned(), friction)).chain(of_walls).chain(frictions_of_groups(scene)) {
-        let numbers = [("rolling", law.rolling), ("twisting", law.twisting)];
-        let key = |name: &str| format!("{key}.{name}");
-        for (name, number) in numbers.into_iter().filter(|(_, number)| *number > 0.0) {
-            expect(scene, scene.dry(), &key(name), number, "is resisted in dry runs so far; remove it, or set flow.model = \"none\"")?;
-        }
         expect(
             scene,
             law.twisting == 0.0 || scene.dimension() == 3,
-            &key("twisting"),
+            &format!("{key}.twisting"),
             law.twisting,
             "disks do not twist about a normal; remove it",
         )?;

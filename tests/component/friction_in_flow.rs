@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 use turbid::{
-    body::{Motion, pack},
+    body::{Motion, Twist, pack},
     contact::{ContactForce, FrictionLaw, FrictionReport, Partner, SurfaceFriction},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
@@ -87,10 +87,22 @@ pub fn forces<const D: usize>(observation: &Observation<D>) -> Vec<(ContactForce
 }
 
 /// Slip, tangential over normal force, velocity and normal force of a ball that is pulled to the floor of a box in shear.
-pub fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f64, D>, f64), weight: f64, law: FrictionLaw) -> [f64; 4] {
+pub fn on_a_floor<const D: usize>(session: &Session, seen: (SVector<f64, D>, f64), weight: f64, law: FrictionLaw) -> [f64; 4] {
+    let (pressed, twist) = pressed_on_a_floor(session, seen, (weight, SMatrix::zeros()), law);
+    let arm = pressed.contact.normal * pressed.contact.separation;
+    [twist.at(&arm)[0], pressed.tangential[0] / pressed.force, twist.velocity[0], pressed.force]
+}
+
+/// The contact of a ball that is pulled to the floor of a box in shear and turned by a torque, and its motion; forces and torques balance.
+pub fn pressed_on_a_floor<const D: usize>(
+    session: &Session,
+    (size, spacing): (SVector<f64, D>, f64),
+    (weight, torque): (f64, SMatrix<f64, D, D>),
+    law: FrictionLaw,
+) -> (ContactForce<D>, Twist<D>) {
     let center = SVector::from_fn(|axis, _| if axis + 1 == D { 1.0101 } else { 0.5 * size[axis] });
     let down = SVector::<f64, D>::from_fn(|axis, _| if axis + 1 == D { -weight } else { 0.0 });
-    let pulled = Motion::Free { force: down, torque: SMatrix::zeros() };
+    let pulled = Motion::Free { force: down, torque };
     let setup = between_walls(size, 1.0, spacing, vec![suspended(center, 1.0, pulled, 4)]);
     let mut simulation = rubbing_by(session, setup, law, 0.01);
     (0..3).for_each(|_| _ = step(&mut simulation));
@@ -101,15 +113,21 @@ pub fn on_a_floor<const D: usize>(session: &Session, (size, spacing): (SVector<f
     let on_wall = pressed.contact.normal * pressed.force + side;
     assert!((fluid.force + down - on_wall).norm() < 1e-5 * weight, "{} {down} {on_wall}", fluid.force);
     let arm = pressed.contact.normal * pressed.contact.separation;
-    let torque = -on_wall * arm.transpose() + arm * on_wall.transpose();
-    assert!((fluid.torque + torque).norm() < 1e-5 * weight, "{} {torque}", fluid.torque);
+    let by_wall = -on_wall * arm.transpose() + arm * on_wall.transpose() - pressed.couple;
+    assert!((fluid.torque + torque + by_wall).norm() < 1e-5 * weight, "{} {by_wall}", fluid.torque);
     // gaps are kept where bodies touch, at half of the roughness
     let height = simulation.state().bodies[0].center[D - 1];
     assert!((height - 1.0 - 0.5 * ROUGHNESS).abs() < 1e-6, "{height}");
     let slip = twist.at(&arm)[0];
     assert!(report.residual < FrictionReport::TOLERANCE_IN_FLOW && report.work < 1e-6 * weight, "{report:?}");
     assert_eq!((report.sticking, report.slipping), if slip.abs() < 1e-5 { (1, 0) } else { (0, 1) });
-    [slip, side[0] / pressed.force, twist.velocity[0], pressed.force]
+    // what pulls the ball does not pull along walls
+    let flow = simulation.suspension().unwrap();
+    let viscosity =
+        observe::viscosity(flow.setup(), flow.grid(), observation.solution.as_ref().unwrap(), &observation.contacts).unwrap().unwrap();
+    let (sum, walls) = (viscosity.relative(), viscosity.from_walls.unwrap());
+    assert!((sum / walls - 1.0).abs() < 1e-5, "{sum} {walls}");
+    (pressed, twist)
 }
 
 fn a_disk_on_a_wall_in_shear_is_in_balance_and_rolls_or_slips_as_the_law_says(session: &Session) {
@@ -142,8 +160,8 @@ pub fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
 }
 
 /// Where a crowd is after some steps with friction, and what happens there.
-fn sheared(session: &Session, coefficient: f64, steps: usize) -> (Simulation<2>, Observation<2>) {
-    let mut simulation = rubbing(session, crowd(11, 5, 1.0), coefficient, 0.03);
+pub fn sheared(session: &Session, law: FrictionLaw, steps: usize) -> (Simulation<2>, Observation<2>) {
+    let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
     (0..steps).for_each(|_| _ = step(&mut simulation));
     let observation = evaluate(&mut simulation);
     (simulation, observation)
@@ -151,12 +169,18 @@ fn sheared(session: &Session, coefficient: f64, steps: usize) -> (Simulation<2>,
 
 /// Bodies at rest in the motions that were found feel the forces that contacts are said to exert.
 fn what_contacts_exert_is_what_the_flow_feels(session: &Session) {
-    let (simulation, observation) = sheared(session, 0.7, 22);
+    is_what_the_flow_feels(session, sheared(session, FrictionLaw::plain(0.7), 22));
+}
+
+/// The same of a crowd of 11 that was sheared.
+pub fn is_what_the_flow_feels(session: &Session, (simulation, observation): (Simulation<2>, Observation<2>)) {
     let held = forces(&observation);
     assert!(held.len() >= 3, "{} contacts", held.len());
     let mut expected = vec![(Vector2::zeros(), SMatrix::<f64, 2, 2>::zeros()); 11];
     for (pressed, side) in &held {
         let (contact, force) = (pressed.contact, pressed.contact.normal * pressed.force + side);
+        expected[contact.body].1 -= pressed.couple;
+        contact.other().into_iter().for_each(|other| expected[other].1 += pressed.couple);
         let whole = |radius: f64| contact.other().map_or(contact.separation, |_| 0.5 * contact.separation * radius);
         let mut add = |body: usize, push: Vector2<f64>, arm: Vector2<f64>| {
             expected[body].0 += push;
@@ -211,7 +235,11 @@ fn nothing_overlaps_and_contacts_take_energy(session: &Session) {
 }
 
 fn stresses_add_up_to_the_force_on_walls(session: &Session) {
-    let (simulation, observation) = sheared(session, 0.7, 22);
+    stresses_add_up(&sheared(session, FrictionLaw::plain(0.7), 22));
+}
+
+/// Of a crowd between walls.
+pub fn stresses_add_up((simulation, observation): &(Simulation<2>, Observation<2>)) {
     let flow = simulation.suspension().unwrap();
     let solution = observation.solution.as_ref().unwrap();
     let viscosity = observe::viscosity(flow.setup(), flow.grid(), solution, &observation.contacts).unwrap().unwrap();
@@ -223,7 +251,7 @@ fn stresses_add_up_to_the_force_on_walls(session: &Session) {
 
 /// Stokes flow is linear: contacts open when everything turns round.
 fn after_reversal_the_viscosity_is_that_without_contacts(session: &Session) {
-    let (simulation, before) = sheared(session, 0.7, 22);
+    let (simulation, before) = sheared(session, FrictionLaw::plain(0.7), 22);
     assert!(forces(&before).len() >= 3);
     let there = |rate: f64| {
         let mut setup = crowd(11, 5, rate);
@@ -284,7 +312,7 @@ fn units_places_and_the_order_of_bodies_do_not_matter(session: &Session) {
 }
 
 fn a_restart_goes_on_from_the_forces_of_the_last_step(session: &Session) {
-    let (mut simulation, _) = sheared(session, 0.7, 20);
+    let (mut simulation, _) = sheared(session, FrictionLaw::plain(0.7), 20);
     let mut again = rubbing(session, crowd(11, 5, 1.0), 0.7, 0.03);
     assert!(simulation.state().held.iter().any(|held| held.tangential != SVector::<f64, 2>::zeros()));
     again.restore(simulation.state().clone(), History::default()).unwrap();
@@ -293,16 +321,20 @@ fn a_restart_goes_on_from_the_forces_of_the_last_step(session: &Session) {
     assert!(apart.fold(0.0, f64::max) < 1e-4);
 }
 
-fn spheres_in_a_sheared_box_obey_the_law(session: &Session) {
+/// Spheres in a sheared box, with films cut at the roughness.
+pub fn spheres() -> Setup<3> {
     let size = Vector3::repeat(4.6);
     let mut domain = Domain { size, axes: [Axis::Periodic; 3] };
     domain.axes[1] = Axis::Sheared(turbid::geometry::LeesEdwards::steady(0.0, size[1], 0.0));
     let centers: Vec<Vector3<f64>> = pack(&domain, &[] as &[Ball<3>], &[1.0; 8], 0.02, 4).unwrap();
     let bodies = centers.into_iter().map(|center| suspended(center, 1.0, free(), 3)).collect();
     let still = between_walls::<3>(size, 0.0, 4.6 / 16.0, bodies);
-    let setup = Setup { domain, drive: Drive::Shear(1.0), tolerance: Tolerance::Fixed(1e-7), ..still }.with(Lubrication::new(ROUGHNESS));
+    Setup { domain, drive: Drive::Shear(1.0), tolerance: Tolerance::Fixed(1e-7), ..still }.with(Lubrication::new(ROUGHNESS))
+}
+
+fn spheres_in_a_sheared_box_obey_the_law(session: &Session) {
     // images slide by a cell
-    let mut simulation = rubbing(session, setup, 0.5, 2.0 / 16.0);
+    let mut simulation = rubbing(session, spheres(), 0.5, 2.0 / 16.0);
     let mut held = 0;
     for number in 0..4 {
         let (observation, report) = step(&mut simulation);

@@ -34,6 +34,7 @@ mod friction_by_law;
 mod friction_by_law_in_flow;
 mod friction_in_flow;
 mod friction_of_tied;
+mod friction_turning_in_flow;
 mod friction_with_all;
 mod grid;
 mod hard;
@@ -130,6 +131,7 @@ fn main() {
         friction_by_law_in_flow::tests(),
         friction_in_flow::tests(),
         friction_of_tied::tests(),
+        friction_turning_in_flow::tests(),
         friction_with_all::tests(),
         transform::tests(),
         units::tests(),

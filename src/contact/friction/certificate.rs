@@ -82,9 +82,9 @@ impl<const D: usize> Certified<'_, D> {
         let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration: step };
         let (wanted, after) = (island(self.twists).program::<W>(), island(self.ends).program::<W>());
         let impulses = island(self.ends).impulses(&after, &[*wrench]);
-        let miss = |place: usize| after.miss(place, &impulses, &after.links[place].offset);
-        let miss = (0..impulses.len()).map(miss).fold(0.0, f64::max);
-        Judged { miss, unit: wanted.unit, state: after.state(0, &impulses[0], &after.links[0].offset) }
+        let velocities: Vec<[f64; D]> = after.links.iter().map(|link| link.offset).collect();
+        let miss = (0..impulses.len()).map(|place| after.miss(place, &impulses, &velocities[place])).fold(0.0, f64::max);
+        Judged { miss, unit: wanted.unit, state: after.state(0, &impulses, &velocities) }
     }
 
     fn judged_by_coefficient(&self, contact: &Contact<D>, wrench: &ContactWrench<D>, coefficient: f64) -> Judged {

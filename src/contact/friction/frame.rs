@@ -77,9 +77,11 @@ impl<const D: usize> Frame<D> {
 }
 
 impl<const D: usize> ContactForce<D> {
-    /// What the force does on its two bodies, which move so.
+    /// What force and couple do on the two bodies, which move so.
     pub fn power(&self, balls: &[Ball<D>], twists: &[Twist<D>]) -> f64 {
-        self.whole().dot(&Frame::new(&self.contact, balls).between(&self.contact, twists))
+        let turning = self.contact.other().map_or_else(SMatrix::zeros, |other| twists[other].spin) - twists[self.contact.body].spin;
+        // a skew matrix has each component twice
+        self.whole().dot(&Frame::new(&self.contact, balls).between(&self.contact, twists)) + 0.5 * self.couple.dot(&turning)
     }
 }
 

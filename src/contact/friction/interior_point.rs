@@ -6,11 +6,13 @@
 //! symmetric, of each contact. The path may turn back: then it stops, and what it has found is told with its residual.
 
 use super::{
+    bordered::Border,
     bounds::Limit,
     cone::TOLERANCE,
     link::{Link, NONE},
     pairs::{Newton, Pairs},
     program::FrictionProgram,
+    secant::dot,
 };
 use crate::contact::solver::block_lu::{BlockLu, Blocks};
 
@@ -40,6 +42,7 @@ pub struct PathEnd<const D: usize> {
 /// A change of all that the method follows.
 struct Direction<const D: usize, const W: usize> {
     motion: Vec<[f64; W]>,
+    amplitudes: Vec<f64>,
     pairs: Vec<Pairs<D>>,
 }
 
@@ -47,6 +50,8 @@ struct Direction<const D: usize, const W: usize> {
 struct Point<'a, const D: usize, const W: usize> {
     program: &'a FrictionProgram<D, W>,
     motion: Vec<[f64; W]>,
+    /// Of what corrects the mobility of contacts.
+    amplitudes: Vec<f64>,
     pairs: Vec<Pairs<D>>,
     /// Length of the last step.
     last: f64,
@@ -83,14 +88,15 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
     fn new(program: &'a FrictionProgram<D, W>, guess: &[[f64; D]], start: f64) -> Self {
         let guess: Vec<[f64; D]> = guess.iter().map(|force| force.map(|component| component / program.unit)).collect();
         let motion = program.motion(&guess);
-        let mut point = Point { program, motion, pairs: Vec::new(), last: 1.0 };
+        let mut point = Point { program, motion, amplitudes: program.amplitudes(&guess), pairs: Vec::new(), last: 1.0 };
         let near = |(place, velocity): (usize, [f64; D])| {
             let normal = guess[program.leader(place)][0];
             let force = std::array::from_fn(|axis| if axis == 0 { normal } else { guess[place][axis] });
             Pairs::near(&force, &velocity, point.limit(place), start)
         };
         point.pairs = point.velocities().into_iter().enumerate().map(near).collect();
-        point.motion = program.motion(&point.impulses());
+        let impulses = point.impulses();
+        (point.motion, point.amplitudes) = (program.motion(&impulses), program.amplitudes(&impulses));
         point
     }
 
@@ -100,7 +106,8 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
             let rates = link.rates(&self.motion);
             std::array::from_fn(|axis| rates[axis] + link.offset[axis] / self.program.unit)
         };
-        self.program.links.iter().map(velocity).collect()
+        let alone = self.program.links.iter().map(velocity).collect();
+        self.program.with_modes(alone, &self.amplitudes)
     }
 
     fn impulses(&self) -> Vec<[f64; D]> {
@@ -141,6 +148,8 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         if !factors.factor(of_both) {
             return false;
         }
+        let border = Border::new(self.program, factors, &newton);
+        let factors = (&*factors, border.as_ref());
         let products: Vec<(f64, [f64; D])> = self.pairs.iter().map(Pairs::products).collect();
         let predicted = self.direction(factors, &newton, &products);
         let after = mean_after(&self.pairs, &predicted.pairs, self.room(&predicted).min(1.0));
@@ -178,7 +187,12 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
     }
 
     /// The change that takes away these products and what is wrong with rows and motions.
-    fn direction(&self, factors: &BlockLu, newton: &[Newton<D>], products: &[(f64, [f64; D])]) -> Direction<D, W> {
+    fn direction(
+        &self,
+        (factors, border): (&BlockLu, Option<&Border<W>>),
+        newton: &[Newton<D>],
+        products: &[(f64, [f64; D])],
+    ) -> Direction<D, W> {
         let first: Vec<[f64; D]> = newton.iter().zip(products).map(|(newton, products)| newton.first(products)).collect();
         let forces: Vec<[f64; D]> = self
             .pairs
@@ -194,9 +208,13 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         let resisted = self.program.medium.forces(&self.motion);
         motion.iter_mut().zip(&resisted).for_each(|(change, now)| change.iter_mut().zip(now).for_each(|(change, now)| *change -= now));
         factors.solve(motion.as_flattened_mut());
-        let contacts = self.program.links.iter().zip(newton).zip(first.iter().zip(products));
-        let pairs = contacts.map(|((link, newton), (first, products))| newton.change(first, &link.rates(&motion), products)).collect();
-        Direction { motion, pairs }
+        let modes = self.program.modes.iter().zip(&self.amplitudes);
+        let wanted: Vec<f64> = modes.map(|(mode, now)| dot(&mode.rates, &forces) - now / mode.gain).collect();
+        let amplitudes = border.map_or_else(Vec::new, |border| border.amplitudes((self.program, newton), &wanted, &mut motion));
+        let rates = self.program.links.iter().map(|link| link.rates(&motion)).collect();
+        let contacts = newton.iter().zip(self.program.with_modes(rates, &amplitudes)).zip(first.iter().zip(products));
+        let pairs = contacts.map(|((newton, rates), (first, products))| newton.change(first, &rates, products)).collect();
+        Direction { motion, amplitudes, pairs }
     }
 
     /// How far a direction leads before a pair leaves its cones.
@@ -217,6 +235,7 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         for (now, change) in self.motion.iter_mut().zip(&direction.motion) {
             now.iter_mut().zip(change).for_each(|(now, change)| *now += length * change);
         }
+        self.amplitudes.iter_mut().zip(&direction.amplitudes).for_each(|(now, change)| *now += length * change);
         self.pairs.iter_mut().zip(&direction.pairs).for_each(|(pairs, change)| *pairs = pairs.after(change, length));
         self.last = length;
         length > SHORTEST

@@ -9,7 +9,8 @@ use super::program::FrictionProgram;
 use crate::contact::solver::clarabel::solve_in_cones;
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
-    /// Whether no motion of its bodies keeps all contacts, as a solver of convex programs finds it; nothing if it finds neither.
+    /// Whether no motion of its bodies keeps all contacts, as a solver of convex programs finds it; nothing if it finds neither. Where couples resist, a motion
+    /// must keep the sum of all bounds of a contact: one that keeps each alone says nothing.
     pub fn is_jammed(&self) -> Option<bool> {
         let rows: Vec<[f64; D]> = self.links.iter().flat_map(|link| cone_rows(link.friction)).collect();
         let per_link = if rows.is_empty() { return Some(false) } else { rows.len() / self.links.len() };
@@ -32,7 +33,8 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         };
         let transposed = CscMatrix::new(W * self.bodies, offsets.len(), starts, places, entries);
         let answer = solve_in_cones(&transposed, &offsets, &vec![cone(per_link); self.links.len()])?;
-        (answer.infeasible || answer.solved).then_some(answer.infeasible)
+        let says = answer.infeasible || answer.solved && (0..self.links.len()).all(|link| !self.follows(link));
+        says.then_some(answer.infeasible)
     }
 }
 

@@ -1,5 +1,14 @@
 //! How surfaces rub on each other.
 
+/// How a contact turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// About tangents: in two dimensions about the one axis that there is.
+    Rolling,
+    /// About the normal, in three dimensions.
+    Twisting,
+}
+
 /// Friction of a surface, or of a contact: what bounds forces across the normal and couples, by the normal force `r_N` above a critical load `c`.
 ///
 /// `|r_T| <= mu (r_N - c)`, and with the reduced radius `a` (of two bodies `a_1 a_2 / (a_1 + a_2)`, at a wall that of the body) `|M_T| <= a k (r_N - c)` for the
@@ -31,6 +40,14 @@ impl FrictionLaw {
     /// Whether couples resist.
     pub fn turns(&self) -> bool {
         self.rolling > 0.0 || self.twisting > 0.0
+    }
+
+    /// The ratio that bounds the couple against a turn.
+    pub(super) fn of_turn(&self, turn: Turn) -> f64 {
+        match turn {
+            Turn::Rolling => self.rolling,
+            Turn::Twisting => self.twisting,
+        }
     }
 
     /// That of a contact of two surfaces: of each number the smaller one.

@@ -37,15 +37,12 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     }
 
     /// What a link does.
-    pub fn state(&self, place: usize, force: &[f64; D], velocity: &[f64; D]) -> ContactState {
-        let Limit { friction, load } = self.limit(place);
-        if load == 0.0 {
-            return ContactState::of(force, velocity, friction);
-        }
-        let aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
-        match aim[0] {
+    pub fn state(&self, place: usize, forces: &[[f64; D]], velocities: &[[f64; D]]) -> ContactState {
+        let (limit, leader) = (self.limit(place), self.leader(place));
+        let aim: [f64; D] = std::array::from_fn(|axis| forces[place][axis] - velocities[place][axis]);
+        match forces[leader][0] - velocities[leader][0] {
             normal if normal <= 0.0 => ContactState::Open,
-            normal if normal > load && tangential_size(&aim) <= friction * (normal - load) => ContactState::Sticking,
+            normal if (limit.load == 0.0 || normal > limit.load) && tangential_size(&aim) <= limit.at(normal) => ContactState::Sticking,
             _ => ContactState::Slipping,
         }
     }

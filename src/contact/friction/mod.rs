@@ -1,4 +1,4 @@
-//! Coulomb friction of dry bodies by the exact law, at the level of velocities and without stiffness.
+//! Coulomb friction by the exact law, at the level of velocities and without stiffness.
 //!
 //! Of each contact, with the normal from the body to the partner, the force `r = (r_N, r_T)` on the partner and the velocity `u = (u_N, u_T)` of its surface
 //! relative to the body's, `u_N` with the gap over the step: `r` lies in `{ |r_T| <= mu r_N }`, `u + mu |u_T| e_N` in the dual cone, and both are orthogonal
@@ -10,11 +10,14 @@
 //! An island is solved by sweeps and an interior point of the exact law; where neither reaches the tolerance the best forces are taken, and the residual
 //! is told. In any case the least change of velocities follows with which nothing overlaps; its forces are normal ones, and add to those found.
 
+mod bordered;
 mod bounds;
 mod certificate;
 mod cone;
 mod exact;
 mod frame;
+mod held_contact;
+mod held_rows;
 mod in_flow;
 mod interior_point;
 mod islands;
@@ -27,6 +30,7 @@ mod network;
 mod pairs;
 mod program;
 mod project;
+mod secant;
 mod share;
 mod surfaces;
 mod sweeps;
@@ -40,7 +44,9 @@ mod tests;
 
 pub use cone::ContactState;
 pub use frame::carried;
-pub use in_flow::{FlowContacts, HeldContact, HeldRow};
+pub use held_contact::HeldContact;
+pub use held_rows::HeldRow;
+pub use in_flow::FlowContacts;
 pub use law::FrictionLaw;
 pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use program::FrictionIsland;

@@ -12,6 +12,7 @@ use super::{
     frame::Frame,
     link::{Link, NONE},
     medium::Medium,
+    secant::{MobilityMode, combined, dot},
 };
 use crate::{
     body::Twist,
@@ -32,6 +33,8 @@ pub struct FrictionProgram<const D: usize, const W: usize> {
     pub unit: f64,
     /// What resists motions besides the bodies, in a fluid: velocities are `A R^-1 A^T r + q` then.
     pub medium: Rc<Medium<W>>,
+    /// What corrects the mobility of contacts besides.
+    pub modes: Vec<MobilityMode<D>>,
 }
 
 /// Bodies on their way over a step, with contacts between them by place.
@@ -70,7 +73,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
             self.contacts.iter().zip(self.laws).map(|(contact, law)| self.link(contact, law.coefficient, free)).collect();
         let (links, bounds) = self.with_turns(links, free);
         let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
-        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, bounds, unit }
+        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, bounds, unit, modes: Vec::new() }
     }
 
     fn link<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> Link<D, W> {
@@ -115,7 +118,9 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         let place = |whole: usize| places.binary_search(&whole).expect("the contact is one of them");
         let bound = |bound: &Bound| Bound { leader: place(bound.leader), ..*bound };
         let bounds = places.iter().filter_map(|&whole| self.bounds.get(whole).map(bound)).collect();
-        FrictionProgram { links, bounds, medium: self.medium.clone(), ..*self }
+        let of_mode = |mode: &MobilityMode<D>| MobilityMode { rates: places.iter().map(|&place| mode.rates[place]).collect(), ..*mode };
+        let modes = self.modes.iter().map(of_mode).collect();
+        FrictionProgram { links, bounds, medium: self.medium.clone(), modes, ..*self }
     }
 
     /// The two bodies of each contact; the same twice if it has one.
@@ -139,9 +144,10 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     pub fn in_medium(mut self, medium: Medium<W>) -> Self {
         let mobilities = medium.own_mobilities(&self.links);
         for (link, mobility) in self.links.iter_mut().zip(&mobilities) {
-            // nothing moves a contact without friction along its tangents
-            let tangential = mobility[1..].iter().sum::<f64>() / (D - 1) as f64;
-            let tangential = if tangential > 0.0 { tangential } else { 1.0 };
+            // nothing moves a contact without friction along its tangents, nor one that twists about them
+            let moved = mobility[1..].iter().filter(|mobility| **mobility > 0.0);
+            let (sum, count) = moved.fold((0.0, 0), |(sum, count), mobility| (sum + mobility, count + 1));
+            let tangential = if count > 0 { sum / f64::from(count) } else { 1.0 };
             link.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
         }
         let mobility_of = |leader: usize| mobilities[leader][0].sqrt();
@@ -150,7 +156,22 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         self
     }
 
-    /// `u = A x + q`.
+    /// The amplitudes of what corrects the mobility.
+    pub fn amplitudes(&self, forces: &[[f64; D]]) -> Vec<f64> {
+        self.modes.iter().map(|mode| mode.gain * dot(&mode.rates, forces)).collect()
+    }
+
+    /// `u` by forces.
+    pub fn velocities_by(&self, forces: &[[f64; D]]) -> Vec<[f64; D]> {
+        self.with_modes(self.velocities(&self.motion(forces)), &self.amplitudes(forces))
+    }
+
+    /// Velocities with what corrects the mobility, at these amplitudes.
+    pub fn with_modes(&self, velocities: Vec<[f64; D]>, amplitudes: &[f64]) -> Vec<[f64; D]> {
+        self.modes.iter().zip(amplitudes).fold(velocities, |sum, (mode, amplitude)| combined(&sum, &mode.rates, *amplitude))
+    }
+
+    /// `u = A x + q`, without what corrects the mobility.
     pub fn velocities(&self, motion: &[[f64; W]]) -> Vec<[f64; D]> {
         let velocity = |link: &Link<D, W>| {
             let mut velocity = link.rates(motion);
@@ -162,12 +183,16 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
 
     /// The largest component of the natural map, over the largest of `q`.
     pub fn residual(&self, forces: &[[f64; D]]) -> f64 {
-        self.residual_of(forces, &self.motion(forces))
+        self.residual_at(forces, self.velocities_by(forces))
     }
 
     /// The same where the motion of these forces is known.
     pub fn residual_of(&self, forces: &[[f64; D]], motion: &[[f64; W]]) -> f64 {
-        let largest = self.velocities(motion).into_iter().enumerate().map(|(place, velocity)| self.miss(place, forces, &velocity));
+        self.residual_at(forces, self.velocities(motion))
+    }
+
+    fn residual_at(&self, forces: &[[f64; D]], velocities: Vec<[f64; D]>) -> f64 {
+        let largest = velocities.into_iter().enumerate().map(|(place, velocity)| self.miss(place, forces, &velocity));
         largest.fold(0.0, larger) / self.unit
     }
 }

@@ -212,7 +212,7 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let forces = wrenches.into_values().map(|(contact, ContactWrench { force, .. })| {
             let normal = force.dot(&contact.normal);
             let tangential = if normal > 0.0 { force - contact.normal * normal } else { SVector::zeros() };
-            ContactForce { contact, force: normal, tangential }
+            ContactForce { contact, force: normal, tangential, couple: SMatrix::zeros() }
         });
         FrictionProjection { velocities: found.projection.velocities, spins, forces: forces.collect(), kkt_report }
     }

@@ -13,6 +13,7 @@ use super::{
     link::{Link, NONE},
     medium::Medium,
     program::{FrictionIsland, FrictionProgram},
+    secant::MobilityMode,
     sweeps::Sweeps,
 };
 use crate::{
@@ -187,11 +188,34 @@ fn a_rod_of_painleve_has_an_impulse() {
             let rows = [[0.0, 1.0, arm[0] / inertia.sqrt()], [1.0, 0.0, -arm[1] / inertia.sqrt()]];
             let offset = [-0.01, slip];
             let link = Link { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, norms: [1.0; 2] };
-            let program = FrictionProgram { bodies: 1, links: vec![link], bounds: Vec::new(), unit: 1.0, medium: Rc::new(Medium::none()) };
+            let program = FrictionProgram {
+                bodies: 1,
+                links: vec![link],
+                bounds: Vec::new(),
+                unit: 1.0,
+                medium: Rc::new(Medium::none()),
+                modes: Vec::new(),
+            };
             let end = follow(&program, &[[0.0; 2]], (1.0, TOLERANCE));
             assert!(end.residual <= TOLERANCE, "angle {angle}, {part} of the limit, slip {slip}: {:e}", end.residual);
         }
     }
+}
+
+/// What corrects the mobility makes it that of contacts which all give way more, and the law holds with it.
+#[test]
+fn the_interior_point_solves_with_modes_of_the_mobility() {
+    fn solves<const D: usize, const W: usize>(mut program: FrictionProgram<D, W>) {
+        let count = program.links.len();
+        let wave = |phase: f64| (0..count).map(|place| std::array::from_fn(|axis| (phase * (D * place + axis) as f64).sin())).collect();
+        program.modes = [(0.3, 0.7), (0.1, 1.9)].map(|(gain, phase)| MobilityMode { gain, rates: wave(phase) }).to_vec();
+        let end = follow(&program, &vec![[0.0; D]; count], (1.0, TOLERANCE));
+        assert!(end.residual <= TOLERANCE && end.iterations < 40, "{:e} after {}", end.residual, end.iterations);
+        program.modes.clear();
+        assert!(program.residual(&end.forces) > 1e-3);
+    }
+    solves(disks().program::<3>(0.3));
+    solves(spheres().program::<6>(0.3));
 }
 
 #[test]

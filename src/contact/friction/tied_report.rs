@@ -18,9 +18,9 @@ impl<const D: usize> TiedFriction<'_, D> {
         let free: Vec<usize> = (0..self.island.balls.len()).filter(is_free).collect();
         let (wanted, after) = (self.island.program_of::<W>(&free), island.program_of::<W>(&free));
         let impulses = island.impulses(&after, wrenches);
-        let largest = (0..impulses.len()).map(|place| after.miss(place, &impulses, &after.links[place].offset)).fold(0.0, f64::max);
-        let states: Vec<ContactState> =
-            (0..wrenches.len()).map(|place| after.state(place, &impulses[place], &after.links[place].offset)).collect();
+        let velocities: Vec<[f64; D]> = after.links.iter().map(|link| link.offset).collect();
+        let largest = (0..impulses.len()).map(|place| after.miss(place, &impulses, &velocities[place])).fold(0.0, f64::max);
+        let states: Vec<ContactState> = (0..wrenches.len()).map(|place| after.state(place, &impulses, &velocities)).collect();
         let count = |which: ContactState| states.iter().filter(|&&state| state == which).count();
         // impulses change the kinetic energy by their product with the mean of motions before and after
         let mean: Vec<[f64; W]> = free.iter().map(|&ball| self.mean_motion(ball, &ends[ball])).collect();

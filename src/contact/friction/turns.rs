@@ -1,11 +1,14 @@
 //! Rolling and twisting of contacts: rows of relative spins times the reduced radius, and the couples that resist them.
 
+use std::ops::{Add, Mul};
+
 use nalgebra::{SMatrix, SVector};
 
 use super::{
     FrictionLaw,
     bounds::Bound,
     frame::Frame,
+    law::Turn,
     link::Link,
     program::{FrictionIsland, FrictionProgram},
 };
@@ -14,15 +17,6 @@ use crate::{
     contact::Contact,
     geometry::Ball,
 };
-
-/// How a contact turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turn {
-    /// About tangents: in two dimensions about the one axis that there is.
-    Rolling,
-    /// About the normal, in three dimensions.
-    Twisting,
-}
 
 /// What a contact does to its partner, and against it to its body.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +50,50 @@ impl<const D: usize> ContactWrench<D> {
     }
 }
 
+impl<const D: usize> Add for ContactWrench<D> {
+    type Output = ContactWrench<D>;
+
+    fn add(self, other: ContactWrench<D>) -> ContactWrench<D> {
+        ContactWrench { force: self.force + other.force, couple: self.couple + other.couple }
+    }
+}
+
+impl<const D: usize> Mul<f64> for ContactWrench<D> {
+    type Output = ContactWrench<D>;
+
+    fn mul(self, factor: f64) -> ContactWrench<D> {
+        ContactWrench { force: self.force * factor, couple: self.couple * factor }
+    }
+}
+
 impl<const D: usize> Frame<D> {
+    /// The directions of the rows of a contact or of what turns it; of couples those of axial vectors, in two dimensions the tangent for the one axis.
+    pub fn link_axes(&self, turn: Option<Turn>) -> [SVector<f64, D>; D] {
+        match turn {
+            Some(Turn::Twisting) => std::array::from_fn(|axis| if axis == 1 { self.axes[0] } else { SVector::zeros() }),
+            _ => self.axes,
+        }
+    }
+
+    /// The force along a direction, or the couple of a unit over the reduced radius about it.
+    pub fn link_wrench(&self, turn: Option<Turn>, direction: &SVector<f64, D>) -> ContactWrench<D> {
+        let spin = match turn {
+            None => return ContactWrench::of_force(*direction),
+            Some(_) if D == 2 => skew(&[self.axes[1].dot(direction)]),
+            Some(_) => skew(direction.as_slice()),
+        };
+        ContactWrench { force: SVector::zeros(), couple: spin * self.reduced_radius }
+    }
+
+    /// Components of a wrench along the rows of a contact, or of what turns it.
+    pub fn link_components(&self, turn: Option<Turn>, wrench: &ContactWrench<D>) -> [f64; D] {
+        let Some(turn) = turn else { return self.components(&wrench.force) };
+        let mut parts = [0.0; D];
+        let units = self.unit_spins(turn);
+        parts[1..].iter_mut().zip(&units).for_each(|(part, unit)| *part = along(unit, &wrench.couple) / self.reduced_radius);
+        parts
+    }
+
     /// The unit spins of a turn.
     pub fn unit_spins(&self, turn: Turn) -> Vec<SMatrix<f64, D, D>> {
         match turn {
@@ -128,8 +165,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
         }
         let rates = frame.turning_rates(contact, turn, self.twists);
         (1..D).for_each(|axis| link.offset[axis] = rates[axis] / link.norms[axis]);
-        let coefficient = if turn == Turn::Rolling { law.rolling } else { law.twisting };
-        Link { friction: coefficient * link.norms[1] / link.norms[0], ..link }
+        Link { friction: law.of_turn(turn) * link.norms[1] / link.norms[0], ..link }
     }
 
     /// The impulses of wrenches in the rows of a program.
@@ -138,15 +174,8 @@ impl<const D: usize> FrictionIsland<'_, D> {
         let scaled = |impulse: [f64; D], link: &Link<D, W>| std::array::from_fn(|axis| impulse[axis] * self.duration * link.norms[axis]);
         let (contacts, turns) = program.links.split_at(self.contacts.len());
         let of_force = |(place, link): (usize, &Link<D, W>)| scaled(frame(place).components(&wrenches[place].force), link);
-        let of_couple = |((place, turn), link): ((usize, Turn), &Link<D, W>)| {
-            let (frame, mut impulse) = (frame(place), [0.0; D]);
-            let units = frame.unit_spins(turn);
-            impulse[1..]
-                .iter_mut()
-                .zip(&units)
-                .for_each(|(part, unit)| *part = along(unit, &wrenches[place].couple) / frame.reduced_radius);
-            scaled(impulse, link)
-        };
+        let of_couple =
+            |((place, turn), link): ((usize, Turn), &Link<D, W>)| scaled(frame(place).link_components(Some(turn), &wrenches[place]), link);
         contacts.iter().enumerate().map(of_force).chain(self.turns().zip(turns).map(of_couple)).collect()
     }
 

@@ -7,7 +7,7 @@ use std::{
     time::Instant,
 };
 
-use nalgebra::{SVector, Vector2};
+use nalgebra::{SMatrix, SVector, Vector2};
 
 use crate::{
     body::{Twist, components, planes, skew},
@@ -216,21 +216,26 @@ fn read_fluid<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, name: &st
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
     let state = simulation.state();
     let (held, stuck) = (state.written_held(world), state.written_stuck(world));
-    let tangential: Vec<_> = held.iter().filter(|held| held.tangential.iter().any(|entry| *entry != 0.0)).collect();
-    let mut counts = [stuck.len() as f64, tangential.len() as f64];
+    let not_zero = |vector: &Vec<f64>| vector.iter().any(|entry| *entry != 0.0);
+    let of_held = |vector: &dyn Fn(&ContactHistory<D>) -> Vec<f64>| -> Vec<(Identity<D>, Vec<f64>)> {
+        held.iter().map(|held| (held.identity(), vector(held))).filter(|(_, vector)| not_zero(vector)).collect()
+    };
+    let tangential = of_held(&|held| held.tangential.as_slice().to_vec());
+    let couples = of_held(&|held| components(&held.couple));
+    let mut counts = [stuck.len() as f64, tangential.len() as f64, couples.len() as f64];
     world.sum(&mut counts);
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
     // how many, so that a list that is lost is missed
-    match counts {
-        [0.0, 0.0] => {}
-        [count, 0.0] => numbers.push(count),
-        both => numbers.extend(both),
-    }
+    let last = counts.iter().rposition(|count| *count > 0.0);
+    numbers.extend(&counts[..last.map_or(0, |last| last + 1)]);
     if counts[0] > 0.0 {
         store_contacts(writer, state.count(), "stuck", stuck)?;
     }
     if counts[1] > 0.0 {
-        store_tangential(writer, state.count(), &tangential)?;
+        store_vectors(writer, state.count(), "tangential", &tangential)?;
+    }
+    if counts[2] > 0.0 {
+        store_vectors(writer, state.count(), "couples", &couples)?;
     }
     writer.shared("time", &numbers)?;
     if state.shear != FoundShear::default() {
@@ -253,30 +258,34 @@ fn store_contacts<const D: usize>(
     writer.rows(name, bodies, packed_length::<D>(), rows.collect())
 }
 
-/// Stores tangential forces of contacts of so many bodies, as rows of their first bodies.
-fn store_tangential<const D: usize>(writer: &mut CheckpointWriter, bodies: usize, held: &[&ContactHistory<D>]) -> Result<()> {
-    let row = |held: &&ContactHistory<D>| {
-        [&[held.body as f64], &pack(held.identity(), held.tangential[0])[..], &held.tangential.as_slice()[1..]].concat()
-    };
-    writer.rows("tangential", bodies, tangential_length::<D>(), held.iter().flat_map(row).collect())
+/// Stores vectors of one length by contact, of contacts of so many bodies, as rows of their first bodies.
+fn store_vectors<const D: usize>(
+    writer: &mut CheckpointWriter,
+    bodies: usize,
+    name: &str,
+    vectors: &[(Identity<D>, Vec<f64>)],
+) -> Result<()> {
+    let row = |(identity, vector): &(Identity<D>, Vec<f64>)| [&[identity.0 as f64], &pack(*identity, vector[0])[..], &vector[1..]].concat();
+    writer.rows(name, bodies, packed_length::<D>() + vector_length::<D>(name) - 1, vectors.iter().flat_map(row).collect())
 }
 
-const fn tangential_length<const D: usize>() -> usize {
-    packed_length::<D>() + D - 1
+/// How many numbers the vectors of this name have: couples as many as there are planes.
+fn vector_length<const D: usize>(name: &str) -> usize {
+    if name == "couples" { D * (D - 1) / 2 } else { D }
 }
 
-/// So many tangential forces, by contact.
-fn read_tangential<const D: usize>(checkpoint: &Checkpoint, count: f64) -> Result<HashMap<Identity<D>, SVector<f64, D>>> {
-    let numbers = if count > 0.0 { checkpoint.shared("tangential")? } else { Vec::new() };
-    if numbers.len() as f64 != count * tangential_length::<D>() as f64 {
-        return Err(misfit("tangential"));
+/// So many vectors of this name, by contact.
+fn read_vectors<const D: usize>(checkpoint: &Checkpoint, name: &str, count: f64) -> Result<HashMap<Identity<D>, Vec<f64>>> {
+    let numbers = if count > 0.0 { checkpoint.shared(name)? } else { Vec::new() };
+    let length = packed_length::<D>() + vector_length::<D>(name) - 1;
+    if numbers.len() as f64 != count * length as f64 {
+        return Err(misfit(name));
     }
     let row = |numbers: &[f64]| {
         let (identity, first) = unpack(numbers);
-        let rest = &numbers[packed_length::<D>()..];
-        (identity, SVector::from_fn(|axis, _| if axis == 0 { first } else { rest[axis - 1] }))
+        (identity, [&[first], &numbers[packed_length::<D>()..]].concat())
     };
-    Ok(numbers.chunks(tangential_length::<D>()).map(row).collect())
+    Ok(numbers.chunks(length).map(row).collect())
 }
 
 /// The contacts of this name, each with a number.
@@ -291,17 +300,18 @@ fn read_contacts<const D: usize>(checkpoint: &Checkpoint, name: &str) -> Result<
 fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: usize) -> Result<State<D>> {
     let numbers = checkpoint.shared("time")?;
     let (&[time, steps, last_step], counts) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
-    let [sticking, sliding] = [0, 1].map(|place| counts.get(place).copied().unwrap_or(0.0));
+    let [sticking, sliding, turning] = [0, 1, 2].map(|place| counts.get(place).copied().unwrap_or(0.0));
     let stuck = if sticking > 0.0 { read_contacts(checkpoint, "stuck")? } else { Vec::new() };
-    if stuck.len() as f64 != sticking || counts.len() > 2 {
+    if stuck.len() as f64 != sticking || counts.len() > 3 {
         return Err(misfit("stuck"));
     }
     let flat = world.gather(&checkpoint.rows("bodies", bodies, Moving::<D>::LENGTH)?.ok_or_else(|| misfit("bodies"))?);
-    let tangential = read_tangential(checkpoint, sliding)?;
+    let (tangential, couples) = (read_vectors(checkpoint, "tangential", sliding)?, read_vectors(checkpoint, "couples", turning)?);
     let held = |(identity, force): (Identity<D>, f64)| {
         let (body, partner, image) = identity;
-        let tangential = tangential.get(&identity).copied().unwrap_or_else(SVector::zeros);
-        ContactHistory { body, partner, image, force, tangential }
+        let tangential = tangential.get(&identity).map_or_else(SVector::zeros, |vector| SVector::from_column_slice(vector));
+        let couple = couples.get(&identity).map_or_else(SMatrix::zeros, |vector| skew(vector));
+        ContactHistory { body, partner, image, force, tangential, couple }
     };
     Ok(State {
         time,

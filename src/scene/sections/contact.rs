@@ -74,17 +74,17 @@ pub(in crate::scene) const FRICTION_KEYS: [Key; 4] = [
         "number",
         "0.1",
         "Largest couple of a contact against rolling, over the normal force times the reduced radius (at a wall the radius of the body): a ball \
-        rests on slopes up to this tangent. In dry runs.",
+        rests on slopes up to this tangent.",
     )
     .unit("ratio")
     .default("0")
     .range("at least 0")
-    .needs(DRY_AND_RUBBING),
+    .needs(RUBBING),
     Key::new("twisting", "number", "0.05", "The same of the couple against spin about the normal, in three dimensions.")
         .unit("ratio")
         .default("0")
         .range("at least 0")
-        .needs(DRY_AND_TWISTING),
+        .needs(TWISTING),
     Key::new("critical_load", "number", "1.0", "Normal force up to which a contact does not rub: of greater ones the excess counts.")
         .unit("force")
         .default("0")
@@ -93,8 +93,8 @@ pub(in crate::scene) const FRICTION_KEYS: [Key; 4] = [
 ];
 
 const INELASTIC: &str = "time.end = 1.0; contact.model = \"inelastic\"";
-const DRY_AND_RUBBING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; flow.model = \"none\"";
-const DRY_AND_TWISTING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; flow.model = \"none\"; domain.size = [8.0, 8.0, 8.0]";
+const RUBBING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5";
+const TWISTING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; domain.size = [8.0, 8.0, 8.0]";
 
 /// What happens between bodies that touch.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,0 +1,203 @@
+//! Friction against rolling and twisting in a flow: limits, couples that balance, what may not matter. Viscosity and rate are 1.
+
+use std::path::Path;
+
+use nalgebra::{SMatrix, SVector, Vector2, Vector3};
+use turbid::{
+    body::{Twist, components, skew},
+    contact::{ContactForce, FrictionLaw, FrictionReport},
+    mechanics::{History, Setup},
+    motion::Simulation,
+    petsc::Session,
+    scene::Scene,
+};
+
+use crate::{
+    Test,
+    friction_in_flow::{
+        crowd, evaluate, forces, is_what_the_flow_feels, pressed_on_a_floor, rubbing_by, sheared, spheres, step, stresses_add_up,
+    },
+};
+
+/// The tests of this file.
+pub fn tests() -> Vec<Test> {
+    vec![
+        Test::of(a_disk_on_a_wall_in_shear_rolls_above_the_limit),
+        Test::of(a_sphere_on_a_wall_in_shear_rolls_above_the_limit),
+        Test::of(a_sphere_on_a_wall_twists_above_the_limit),
+        Test::of(a_disk_that_rolls_in_a_thin_fluid_comes_to_rest),
+        Test::of(couples_are_what_the_flow_feels_and_stresses_add_up),
+        Test::of(no_couple_of_a_crowd_exceeds_its_bound),
+        Test::of(little_resistance_to_rolling_is_next_to_none),
+        Test::of(a_restart_goes_on_from_the_couples_of_the_last_step),
+        Test::of(spheres_in_a_sheared_box_obey_the_law),
+    ]
+}
+
+const CROWD: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0 };
+
+/// The couple of a contact over its normal force and the radius of a ball that touches at its roughness.
+fn ratio<const D: usize>(pressed: &ContactForce<D>) -> f64 {
+    let couple = components(&pressed.couple).iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+    couple / (pressed.force * pressed.contact.separation)
+}
+
+/// A ball on the floor of a box in shear rests where friction is enough and the couple that rest takes is below its bound; else it rolls with just the bound.
+fn rests_or_rolls<const D: usize>(session: &Session, size: SVector<f64, D>, spacing: f64, critical_load: f64) {
+    let found = |rolling: f64| {
+        let law = FrictionLaw { coefficient: 10.0, rolling, twisting: 0.0, critical_load };
+        pressed_on_a_floor(session, (size, spacing), (20.0, SMatrix::zeros()), law)
+    };
+    let slip = |twist: &Twist<D>, pressed: &ContactForce<D>| twist.at(&(pressed.contact.normal * pressed.contact.separation)).norm();
+    let (pressed, twist) = found(10.0);
+    let needed = ratio(&pressed);
+    assert!(twist.velocity.norm() < 1e-5 && twist.spin.norm() < 1e-5 && needed > 0.02, "{} {needed}", twist.velocity);
+    let above_load = (pressed.force - critical_load) / pressed.force;
+    for part in [0.5, 0.98] {
+        let (pressed, twist) = found(part * needed / above_load);
+        let bound = part * needed / above_load * (pressed.force - critical_load) / pressed.force;
+        let couple = ratio(&pressed);
+        assert!((couple / bound - 1.0).abs() < 1e-5, "{couple} of {bound}");
+        assert!(twist.velocity[0] > 1e-3 && slip(&twist, &pressed) < 1e-5, "{} {}", twist.velocity, slip(&twist, &pressed));
+        // it takes energy
+        assert!(pressed.couple.dot(&twist.spin) > 0.0);
+    }
+    let (pressed, twist) = found(1.02 * needed / above_load);
+    let couple = ratio(&pressed);
+    // as it lands it presses less, and rolls to another place of the grid
+    assert!(twist.velocity.norm() < 1e-5 && (couple / needed - 1.0).abs() < 2e-3, "{} {couple} {needed}", twist.velocity);
+}
+
+fn a_disk_on_a_wall_in_shear_rolls_above_the_limit(session: &Session) {
+    rests_or_rolls(session, Vector2::new(8.0, 5.0), 0.25, 0.0);
+    rests_or_rolls(session, Vector2::new(8.0, 5.0), 0.25, 5.0);
+}
+
+fn a_sphere_on_a_wall_in_shear_rolls_above_the_limit(session: &Session) {
+    rests_or_rolls(session, Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0, 0.0);
+}
+
+/// A torque about the normal turns a sphere just where it exceeds the bound.
+fn a_sphere_on_a_wall_twists_above_the_limit(session: &Session) {
+    let law = FrictionLaw { twisting: 0.05, rolling: 10.0, ..FrictionLaw::plain(10.0) };
+    let found = |torque: f64| pressed_on_a_floor(session, (Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0), (20.0, skew(&[0.0, 0.0, torque])), law);
+    let (pressed, _) = found(0.0);
+    let most = law.twisting * pressed.force * pressed.contact.separation;
+    for part in [0.98, -1.02, 3.0] {
+        let (pressed, twist) = found(part * most);
+        let (spin, couple) = (components(&twist.spin)[2], -components(&pressed.couple)[2]);
+        if part < 1.0 && part > 0.0 {
+            assert!(spin.abs() < 1e-5 && (couple + part * most).abs() < 1e-3 * most, "{part}: {spin} {couple} of {most}");
+        } else {
+            assert!(spin * part > 1e-5 && (couple + part.signum() * most).abs() < 1e-3 * most, "{part}: {spin} {couple} of {most}");
+        }
+    }
+}
+
+/// A disk that rolls on the floor slows down by `k g A^2 / (1/2 + A^2)`, `A` being the distance from its centre at which it touches, and stays where it
+/// came to rest: as it would do without a fluid.
+fn a_disk_that_rolls_in_a_thin_fluid_comes_to_rest(session: &Session) {
+    let text = "gravity = [0.0, -1.0]\ndomain = { size = [8.0, 6.0], y = \"walls\" }\n\
+                flow = { model = \"navier-stokes\", viscosity = 1e-4, density = 1e-3 }\n\
+                resolution = { cells_per_radius = 4 }\nmethod = { inverse = \"transform\" }\n\
+                bodies = [{ radius = 1.0, density = 1.0, centers = [[2.0, 1.01001]], velocity = [0.5, 0.0], spin = -0.4950495 }]\n\
+                contact = { model = \"inelastic\", friction = { coefficient = 2.0, rolling = 0.8 }, roughness = 0.02 }\n\
+                time = { end = 1.2, step = 0.025 }\n";
+    let mut simulation = Simulation::<2>::new(session, &Scene::parse("rolls", Path::new("."), text, &[]).unwrap()).unwrap();
+    let mut speeds = Vec::new();
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        speeds.push((simulation.state().time, observation.twists[0].velocity[0]));
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    let at = |time: f64| speeds.iter().find(|(of, _)| *of > time - 1e-9).unwrap().1;
+    let slowed = (at(0.2) - at(0.6)) / 0.4;
+    let square = 1.01_f64.powi(2);
+    // lighter by the weight of the fluid
+    let expected = 0.8 * 0.999 * square / (0.5 + square);
+    assert!((slowed / expected - 1.0).abs() < 1e-2, "{slowed} for {expected}");
+    let stops = at(0.2) / slowed + 0.2;
+    assert!(at(stops - 0.05) > 0.01 && at(stops + 0.05).abs() < 1e-4 && at(1.1).abs() < 1e-4, "{} {}", at(stops + 0.05), at(1.1));
+}
+
+fn couples_are_what_the_flow_feels_and_stresses_add_up(session: &Session) {
+    let there = sheared(session, CROWD, 22);
+    let held = forces(&there.1);
+    assert!(held.iter().filter(|(pressed, _)| ratio(pressed) > 1e-3).count() >= 3);
+    stresses_add_up(&there);
+    is_what_the_flow_feels(session, there);
+}
+
+/// The most that couples may be, at contacts of equal disks and at walls.
+fn bound(pressed: &ContactForce<2>, law: &FrictionLaw) -> f64 {
+    let reduced = if pressed.contact.other().is_some() { 0.5 } else { 1.0 };
+    law.rolling * 1.01 * reduced * (pressed.force - law.critical_load).max(0.0)
+}
+
+fn no_couple_of_a_crowd_exceeds_its_bound(session: &Session) {
+    for law in [CROWD, FrictionLaw { rolling: 0.5, critical_load: 20.0, ..CROWD }] {
+        let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+        let (mut solves, mut of_each) = (0, [0; 2]);
+        for number in 0..25 {
+            let (observation, report) = step(&mut simulation);
+            assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
+            let largest = forces(&observation).iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
+            for (pressed, side) in forces(&observation) {
+                let most = law.coefficient * (pressed.force - law.critical_load).max(0.0);
+                assert!(side.norm() < most + 1e-3 * largest, "{} of {most}", side.norm());
+                let (couple, most) = (components(&pressed.couple)[0].abs(), bound(&pressed, &law));
+                assert!(couple < most + 1e-3 * largest, "{couple} of {most}");
+                of_each[usize::from(couple < 0.98 * most)] += 1;
+            }
+            solves += observation.effort.solves;
+        }
+        assert!(of_each[0] > 5 && of_each[1] > 5 && solves < 6 * 25, "{of_each:?} roll and do not, {solves} solves");
+    }
+}
+
+fn little_resistance_to_rolling_is_next_to_none(session: &Session) {
+    let run = |law: FrictionLaw| sheared(session, law, 22).0.state().centers();
+    let apart =
+        |one: &[Vector2<f64>], other: &[Vector2<f64>]| one.iter().zip(other).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
+    let (plain, little, much) =
+        (run(FrictionLaw::plain(0.7)), run(FrictionLaw { rolling: 1e-4, ..CROWD }), run(FrictionLaw { rolling: 0.5, ..CROWD }));
+    assert!(apart(&plain, &little) < 1e-3, "{}", apart(&plain, &little));
+    assert!(apart(&plain, &much) > 1e-2, "{}", apart(&plain, &much));
+}
+
+fn a_restart_goes_on_from_the_couples_of_the_last_step(session: &Session) {
+    let (mut simulation, _) = sheared(session, CROWD, 20);
+    let mut again = rubbing_by(session, crowd(11, 5, 1.0), CROWD, 0.03);
+    assert!(simulation.state().held.iter().any(|held| held.couple != SMatrix::<f64, 2, 2>::zeros()));
+    again.restore(simulation.state().clone(), History::default()).unwrap();
+    (0..3).for_each(|_| _ = (step(&mut simulation), step(&mut again)));
+    let apart = simulation.state().bodies.iter().zip(&again.state().bodies).map(|(one, other)| (one.center - other.center).norm());
+    assert!(apart.fold(0.0, f64::max) < 1e-4);
+}
+
+/// In 3D, with all that resists.
+fn spheres_in_a_sheared_box_obey_the_law(session: &Session) {
+    let law = FrictionLaw { rolling: 0.05, twisting: 0.02, ..FrictionLaw::plain(0.5) };
+    let setup: Setup<3> = spheres();
+    // images slide by a cell
+    let mut simulation = rubbing_by(session, setup, law, 2.0 / 16.0);
+    let (mut held, mut turned) = (0, 0);
+    for number in 0..4 {
+        let (observation, report) = step(&mut simulation);
+        assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW && report.work < 0.0, "step {number}: {report:?}");
+        let largest = forces(&observation).iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
+        for (pressed, side) in forces(&observation) {
+            // next to what the residual allows where a slip turns
+            assert!(side.norm() <= 0.5 * pressed.force + 5e-3 * largest, "{} of {}, {largest}", side.norm(), 0.5 * pressed.force);
+            let couple = Vector3::from_column_slice(&components(&pressed.couple)) / (0.5 * 1.01);
+            let twisting = couple.dot(&pressed.contact.normal);
+            let (rolling, most) =
+                ((couple - pressed.contact.normal * twisting).norm(), [law.rolling, law.twisting].map(|part| part * pressed.force));
+            assert!(rolling <= most[0] + 5e-3 * largest && twisting.abs() <= most[1] + 5e-3 * largest, "{rolling} {twisting} of {most:?}");
+            turned += usize::from(rolling > 0.9 * most[0]);
+        }
+        held += report.sticking + report.slipping;
+    }
+    let last = evaluate(&mut simulation);
+    assert!(held > 4 && turned > 0 && last.effort.solves < 20, "{held} {turned} {}", last.effort.solves);
+}
