@@ -24,7 +24,7 @@ WALLS: dict[str, Any] = {
     "bodies": [{"radius": 1.0, "fraction": 0.3, "gap": 0.1}],
     "contact": {"model": "inelastic"},
     "time": {"end": 0.3, "step": 0.02},
-    "output": {"every": 1e-3, "pairs": True, "vorticity": True},
+    "output": {"every": 1e-3, "pairs": True, "displacements": True, "vorticity": True},
 }
 
 SPHERES: dict[str, Any] = {

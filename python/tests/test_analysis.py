@@ -1,6 +1,7 @@
 """Analyses agree with the program, with exact values or with plain loops."""
 
 import csv
+import itertools
 import json
 from pathlib import Path
 
@@ -21,6 +22,22 @@ def test_the_pair_distribution_is_that_of_the_program(name, request):
     np.testing.assert_allclose(ours.angular.reset_index(), theirs["angular"], rtol=1e-12)
     assert ours.coordination == pytest.approx(theirs["coordination"])
     np.testing.assert_array_equal(run.pairs.radial.reset_index(), theirs["radial"])
+
+
+def test_displacements_are_those_of_the_frames(walls):
+    frames = walls.steady_frames()
+    centres = [frame.bodies[["center_x", "center_y"]].to_numpy() for frame in frames]
+    squares, lags = [], []
+    for (one, before), (other, now) in itertools.pairwise(zip(centres, [frame.time for frame in frames], strict=True)):
+        steps, strain = other - one, now - before
+        steps[:, 0] -= strain * one[:, 1]
+        steps[:, 0] -= 16.0 * np.round(steps[:, 0] / 16.0)
+        steps[:, 0] -= 0.5 * strain * steps[:, 1]
+        squares.append(((steps - steps.mean(axis=0)) ** 2).mean(axis=0))
+        lags.append(now - before)
+    first = walls.displacements.iloc[0]
+    assert first["lag"] == first["strain"] == pytest.approx(np.mean(lags))
+    np.testing.assert_allclose(first[["mean_square_x", "mean_square_y"]].astype(float), np.mean(squares, axis=0), rtol=1e-9)
 
 
 @pytest.mark.parametrize("domain", [{"y": {"lower": [3.0, 0.0], "upper": [0.0, 0.0]}}, {"x": {"lower": [0.0, -2.0], "upper": [0.0, 2.0]}}])

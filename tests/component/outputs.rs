@@ -45,6 +45,7 @@ fn in_time(scene: Scene) -> Scene {
     let time = Some(TimeSection { step: Step::Fixed(0.1), ..TimeSection::to(0.3) });
     let mut scene = Scene { time, ..scene };
     scene.output.checkpoint = 0.0;
+    scene.output.displacements = true;
     scene
 }
 

@@ -60,6 +60,7 @@ class Run:
         self._series = Cached(self.folder / "series.csv", read_table)
         self._forces = Cached(self.folder / "forces.csv", read_table)
         self._energy = Cached(self.folder / "energy.csv", read_table)
+        self._displacements = Cached(self.folder / "displacements.csv", read_table)
         self._pairs = Cached(self.folder / "pairs.json", lambda path: PairDistribution.of_program(read_json(path)))
         self._frames = Cached(self.folder / "run.h5", list_frames)
 
@@ -182,6 +183,11 @@ class Run:
         return self._needed(
             self._pairs.get(), "pairs.json: the scene has no output.pairs = true; run.pair_distribution() counts the pairs of the frames"
         )
+
+    @property
+    def displacements(self) -> pd.DataFrame:
+        """Mean-square displacements over the lag that the program has measured, where ``output.displacements = true``, with half widths of 95 % intervals."""
+        return self._needed(self._displacements.get(), "displacements.csv: the scene has no output.displacements = true")
 
     def pair_distribution(self, frames: Frames | None = None, width: float = 0.025, farthest: float | None = None) -> PairDistribution:
         """The pair distribution over frames, without them those of :meth:`steady_frames`; bins of ``width`` sums of radii up to ``farthest``."""

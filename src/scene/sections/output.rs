@@ -201,7 +201,7 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
-            displacements: table.get("displacements").map_or(Ok(default.displacements), |entry| read_displacements(&entry, model))?,
+            displacements: table.get("displacements").map_or(Ok(default.displacements), |entry| entry.flag())?,
             profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             energy: table.get("energy").map_or(Ok(default.energy), |entry| entry.flag())?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
@@ -212,6 +212,9 @@ impl OutputSection {
 fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
     if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
+    }
+    if let Some(entry) = table.get("displacements") {
+        return Err(entry.refuse("an instantaneous solve moves no body; add [time] or remove it"));
     }
     match table.get("fields").filter(|_| model == FlowModel::Scalar) {
         Some(entry) => Err(entry.refuse("a scalar around inclusions has no frame; remove it, and read picture and probe instead")),
@@ -295,10 +298,4 @@ fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
     let pairs = entry.flag()?;
     let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no pair distribution; remove it";
     entry.expect(pairs, !pairs || model != FlowModel::Scalar, remedy)
-}
-
-fn read_displacements(entry: &Entry, model: FlowModel) -> Result<bool> {
-    let displacements = entry.flag()?;
-    let remedy = "inclusions of a scalar (flow.model = \"scalar\") go nowhere; remove it";
-    entry.expect(displacements, !displacements || model != FlowModel::Scalar, remedy)
 }
