@@ -20,7 +20,7 @@ use mpi::{
 use serde::Serialize;
 
 use crate::error::{Error, Result};
-pub use age::process_seconds;
+pub use age::{process_seconds, processor_seconds};
 pub use machine::Machine;
 pub use memory::{free_memory_bytes, memory_in_words, peak_memory_bytes};
 pub use routes::Routes;

@@ -4,7 +4,7 @@
 //! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
 
 use super::places::{Entries, Places};
-use crate::petsc::Index;
+use crate::{linalg::vectorized, petsc::Index};
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
@@ -95,10 +95,15 @@ impl<const D: usize> Interpolant<D> {
                 scratch[start as usize..][..length].copy_from_slice(&u.from(place)[..length]);
             }
             let offsets = row_offsets(nodes.strides);
-            for (point, &corner) in nodes.corners.iter().enumerate() {
-                let weights = self.weights.of(point, nodes.lattice);
-                out[point * self.boxes.len() + component] = interpolated(&scratch[corner as usize..], &offsets, &weights);
-            }
+            vectorized(
+                #[inline(always)]
+                || {
+                    for (point, &corner) in nodes.corners.iter().enumerate() {
+                        let weights = self.weights.of(point, nodes.lattice);
+                        out[point * self.boxes.len() + component] = interpolated(&scratch[corner as usize..], &offsets, &weights);
+                    }
+                },
+            );
         }
     }
 }
@@ -119,8 +124,10 @@ fn interpolated<const D: usize>(nodes: &[f64], offsets: &[usize; NODES * NODES],
     let mut sums = [0.0; NODES];
     let row_weights = row_weights(weights);
     for (offset, weight) in offsets.iter().zip(row_weights).take(NODES.pow(D as u32 - 1)) {
-        let row = &nodes[*offset..][..NODES];
-        (0..NODES).for_each(|k| sums[k] += weight * row[k]);
+        let row: &[f64; NODES] = nodes[*offset..].first_chunk().expect("a row of nodes");
+        for (sum, value) in sums.iter_mut().zip(row) {
+            *sum += weight * value;
+        }
     }
     (0..NODES).map(|k| sums[k] * weights[D - 1][k]).sum()
 }

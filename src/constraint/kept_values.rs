@@ -2,7 +2,7 @@
 //!
 //! They take most of the memory of a dense suspension, and reading them most of the time of its solves. Products are summed in double precision.
 
-use crate::linalg::dots;
+use crate::linalg::{dots, vectorized};
 
 /// Rows that are multiplied together.
 const TOGETHER: usize = 4;
@@ -83,9 +83,11 @@ impl KeptValues {
 
     /// Adds the product of each row with `c`.
     pub fn add_products(&self, c: &[f64], products: &mut [f64]) {
-        add_products(&self.values, c, products);
-        if !self.lost.is_empty() {
-            add_products(&self.lost, c, products);
+        for values in [&self.values, &self.lost].into_iter().filter(|values| !values.is_empty()) {
+            vectorized(
+                #[inline(always)]
+                || add_products(values, c, products),
+            );
         }
     }
 
@@ -102,6 +104,7 @@ fn empty(memory: &mut Vec<Vec<f32>>, length: usize) -> Vec<f32> {
     values
 }
 
+#[inline(always)]
 fn add_products(values: &[f32], c: &[f64], products: &mut [f64]) {
     let (parts, rest) = products.as_chunks_mut::<TOGETHER>();
     let (values, last_values) = values.split_at(parts.len() * TOGETHER * c.len());

@@ -9,6 +9,7 @@ mod product;
 mod skyline;
 mod sparse;
 mod tridiagonal;
+mod vectorized;
 
 pub use banded::{BandedLanes, Lanes};
 pub use fit::{line, proportion, proportions};
@@ -18,6 +19,7 @@ pub use product::{add_rows, dot, dots, norm, padded};
 pub use skyline::Skyline;
 pub use sparse::SparseRows;
 pub use tridiagonal::Tridiagonal;
+pub use vectorized::vectorized;
 
 /// A part of a length, a time or a number that counts as rounding: what text, sums of steps and changes of units leave.
 pub const ROUNDING: f64 = 1e-9;

@@ -1,5 +1,7 @@
 //! Products of dense rows, written so that several entries are taken at once.
 
+use super::vectorized;
+
 const WIDTH: usize = 8;
 
 /// Scalar product of two slices of equal length.
@@ -8,7 +10,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (b_parts, b_rest) = b.as_chunks::<WIDTH>();
     let mut sums = [0.0; WIDTH];
     for (a, b) in a_parts.iter().zip(b_parts) {
-        (0..WIDTH).for_each(|k| sums[k] += a[k] * b[k]);
+        sums = sum(|k| sums[k] + a[k] * b[k]);
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
     sums.iter().sum::<f64>() + rest
@@ -22,21 +24,32 @@ pub fn norm(a: &[f64]) -> f64 {
 /// Scalar products of rows in single precision that follow each other in `rows` with `c`; taken together, they wait less for memory.
 #[inline(always)]
 pub fn dots<const ROWS: usize>(rows: &[f32], c: &[f64]) -> [f64; ROWS] {
-    const PART: usize = 4;
-    let (count, whole) = (c.len(), c.len() / PART * PART);
-    let rows: [&[f32]; ROWS] = std::array::from_fn(|row| &rows[row * count..][..count]);
+    const PART: usize = WIDTH;
+    let (count, (parts, rest)) = (c.len(), c.as_chunks::<PART>());
     let mut sums = [[0.0; PART]; ROWS];
-    for start in (0..whole).step_by(PART) {
-        let c: &[f64; PART] = c[start..].first_chunk().expect("a whole part");
-        for (sums, row) in sums.iter_mut().zip(rows) {
-            let row: &[f32; PART] = row[start..].first_chunk().expect("a whole part");
-            (0..PART).for_each(|k| sums[k] += f64::from(row[k]) * c[k]);
+    for (part, c) in parts.iter().enumerate() {
+        for (row, before) in sums.iter_mut().enumerate() {
+            let row: &[f32; PART] = rows[row * count + part * PART..].first_chunk().expect("a whole part");
+            *before = sum(|k| before[k] + f64::from(row[k]) * c[k]);
         }
     }
-    std::array::from_fn(|row| {
-        let rest: f64 = (whole..count).map(|k| f64::from(rows[row][k]) * c[k]).sum();
-        (sums[row][0] + sums[row][1]) + (sums[row][2] + sums[row][3]) + rest
-    })
+    let mut found = [0.0; ROWS];
+    for (row, (found, sums)) in found.iter_mut().zip(sums).enumerate() {
+        let last = &rows[row * count + count - rest.len()..][..rest.len()];
+        let last: f64 = last.iter().zip(rest).map(|(value, c)| f64::from(*value) * c).sum();
+        *found = sums.iter().sum::<f64>() + last;
+    }
+    found
+}
+
+/// Sums that are taken together, in a plain loop: closures that change them one by one end up in memory.
+#[inline(always)]
+fn sum<const N: usize>(term: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for (k, sum) in sums.iter_mut().enumerate() {
+        *sum = term(k);
+    }
+    sums
 }
 
 /// Length of rows of `count` entries with room to take all of them several at once.
@@ -46,22 +59,27 @@ pub fn padded(count: usize) -> usize {
 
 /// Adds to `out` the weighted sum of rows of `values`, each as long as `out`, a padded length; terms are row and weight.
 pub fn add_rows(terms: &[(u32, f64)], values: &[f64], out: &mut [f64]) {
-    let mut start = add_parts::<{ 3 * WIDTH }>(terms, values, 0, out);
-    start = add_parts::<{ 2 * WIDTH }>(terms, values, start, out);
-    add_parts::<WIDTH>(terms, values, start, out);
+    vectorized(
+        #[inline(always)]
+        || {
+            let mut start = add_parts::<{ 3 * WIDTH }>(terms, values, 0, out);
+            start = add_parts::<{ 2 * WIDTH }>(terms, values, start, out);
+            add_parts::<WIDTH>(terms, values, start, out);
+        },
+    );
 }
 
 /// As many parts of `N` entries as fit from `start` on; returns where the next would start.
 #[inline(always)]
 fn add_parts<const N: usize>(terms: &[(u32, f64)], values: &[f64], mut start: usize, out: &mut [f64]) -> usize {
     let length = out.len();
-    while let Some(part) = out.get_mut(start..start + N) {
+    while let Some(part) = out[start..].first_chunk_mut::<N>() {
         let mut sums = [0.0; N];
         for &(row, weight) in terms {
-            let values = &values[row as usize * length + start..][..N];
-            (0..N).for_each(|k| sums[k] += weight * values[k]);
+            let values: &[f64; N] = values[row as usize * length + start..].first_chunk().expect("a whole row");
+            sums = sum(|k| sums[k] + weight * values[k]);
         }
-        part.iter_mut().zip(sums).for_each(|(out, sum)| *out += sum);
+        *part = sum(|k| part[k] + sums[k]);
         start += N;
     }
     start

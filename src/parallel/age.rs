@@ -1,4 +1,4 @@
-//! How long this process has run.
+//! How long this process has run, and how long on a processor.
 
 use std::fs;
 
@@ -8,12 +8,39 @@ const TICKS: f64 = 100.0;
 /// Place of the start of a process among what `/proc/self/stat` tells behind its name.
 const START: usize = 19;
 
+/// Places of the time on a processor, in the program and for it in the system.
+const ON_PROCESSOR: [usize; 2] = [11, 12];
+
 /// Seconds since this process was started, before it came to its own first line (0 where the system does not tell).
 pub fn process_seconds() -> f64 {
-    let number = |text: Option<&str>| text?.parse::<f64>().ok();
-    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
-    let (of_machine, of_process) = (read("/proc/uptime"), read("/proc/self/stat"));
-    let start = of_process.rsplit_once(')').and_then(|(_, rest)| number(rest.split_whitespace().nth(START)));
-    let now = number(of_machine.split_whitespace().next());
-    now.zip(start).map_or(0.0, |(now, start)| (now - start / TICKS).max(0.0))
+    let of_machine = fs::read_to_string("/proc/uptime").unwrap_or_default();
+    let now = of_machine.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
+    now.zip(told(START)).map_or(0.0, |(now, start)| (now - start).max(0.0))
+}
+
+/// Seconds that this process has had a processor, however many others wait for it too; nothing where the system does not tell.
+pub fn processor_seconds() -> Option<f64> {
+    ON_PROCESSOR.into_iter().map(told).sum()
+}
+
+/// A time that Linux tells of this process, in seconds.
+fn told(place: usize) -> Option<f64> {
+    let text = fs::read_to_string("/proc/self/stat").ok()?;
+    let (_, rest) = text.rsplit_once(')')?;
+    rest.split_whitespace().nth(place)?.parse::<f64>().ok().map(|ticks| ticks / TICKS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_on_a_processor_goes_on_and_never_back() {
+        let begun = processor_seconds().unwrap();
+        let mut sum = 0.0_f64;
+        while processor_seconds().unwrap() < begun + 1.0 / TICKS {
+            sum += (0..1000).map(f64::from).sum::<f64>().sqrt();
+        }
+        assert!(sum > 0.0);
+    }
 }

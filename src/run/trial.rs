@@ -9,11 +9,12 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
+    parallel::processor_seconds,
     petsc::Session,
     scene::Scene,
 };
 
-/// Steps at most, at least, and seconds after which no further one is taken.
+/// Steps at most, at least, and seconds on a processor after which no further one is taken: as many steps on a machine that others use too.
 const MOST: usize = 400;
 const FEWEST: usize = 4;
 const SECONDS: f64 = 2.0;
@@ -66,6 +67,11 @@ impl Trial {
 fn trial<const D: usize>(session: &Session, scene: &Scene, path: &Path) -> Result<Trial> {
     let (begin, world) = (Instant::now(), session.world());
     let passed = || world.max(begin.elapsed().as_secs_f64());
+    let before = processor_seconds();
+    let worked = || {
+        let worked = processor_seconds().zip(before).map(|(now, before)| now - before);
+        world.max(worked.unwrap_or_else(|| begin.elapsed().as_secs_f64()))
+    };
     let folder = Some(RunFolder::to_begin(world, path, NewRun { scene, scene_file: None, overwrite: true })?);
     if scene.scalar() || scene.time.is_none() {
         complete::<D>(session, scene, folder, Options::default())?;
@@ -76,7 +82,7 @@ fn trial<const D: usize>(session: &Session, scene: &Scene, path: &Path) -> Resul
     let time = |run: &Run<D>| run.state().map_or(0.0, |state| state.time);
     // at the end of each step, the time and the seconds so far
     let mut ends = vec![(time(&run), passed())];
-    while goes_on && ends.len() <= MOST && (ends.len() <= FEWEST || ends[ends.len() - 1].1 < SECONDS) {
+    while goes_on && ends.len() <= MOST && (ends.len() <= FEWEST || worked() < SECONDS) {
         goes_on = run.advance()?;
         ends.push((time(&run), passed()));
     }

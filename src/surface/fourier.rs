@@ -86,6 +86,7 @@ impl Fourier {
     }
 
     /// Writes `pair(m)`, the values of `f = 1` and `f = i`, of all modes in their order.
+    #[inline(always)]
     fn fill<const N: usize>(&self, out: &mut [f64], pair: impl Fn(Harmonic) -> [[f64; N]; 2]) {
         let (rigid, free) = out[..self.count() * N].split_at_mut(RIGID * N);
         rigid[..2 * N].copy_from_slice(pair(Harmonic::new(0)).as_flattened());
@@ -119,21 +120,39 @@ impl Modes for Fourier {
 
     fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
         let mut powers = SimdPowers::new(self.order + 2);
-        in_batches(offsets, self.radius, self.count(), out, |position, values| {
-            powers.fill(position);
-            self.fill(values, |harmonic| self.velocity_pair(&powers, harmonic, component));
-        });
+        in_batches(
+            offsets,
+            self.radius,
+            self.count(),
+            out,
+            #[inline(always)]
+            |position, values| {
+                powers.fill(position);
+                self.fill(
+                    values,
+                    #[inline(always)]
+                    |harmonic| self.velocity_pair(&powers, harmonic, component),
+                );
+            },
+        );
     }
 
     fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
         let mut powers = SimdPowers::new(self.order + 2);
-        in_batches(offsets, self.radius, self.count(), out, |position, values| {
-            powers.fill(position);
-            self.fill(values, |harmonic| {
-                let [re, im] = powers.growing(harmonic.power - 1);
-                [*re, im.map(|im| -im)]
-            });
-        });
+        in_batches(
+            offsets,
+            self.radius,
+            self.count(),
+            out,
+            #[inline(always)]
+            |position, values| {
+                powers.fill(position);
+                self.fill(values, |harmonic| {
+                    let [re, im] = powers.growing(harmonic.power - 1);
+                    [*re, im.map(|im| -im)]
+                });
+            },
+        );
     }
 
     /// Diagonal: `a/(4 mu |m|)`, but `a/(2 mu)` for the rotation and `a/(2 mu) ln(reach/a)` for translations.
@@ -227,6 +246,7 @@ impl SimdPowers {
         Self { parts: vec![[[1.0; LANES], [0.0; LANES]]; 2 * count], square: [1.0; LANES] }
     }
 
+    #[inline(always)]
     fn fill(&mut self, [x, y]: &[Simd; 2]) {
         let square = each(|lane| x[lane] * x[lane] + y[lane] * y[lane]);
         let inverse = [each(|lane| x[lane] / square[lane]), each(|lane| -y[lane] / square[lane])];

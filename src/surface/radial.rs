@@ -44,6 +44,7 @@ impl Poloidal {
     }
 
     /// The factors of `X H` and `grad H`, `(U - l V) s^{-l-1}` and `V s^{1-l}`, given `s^2, s^{1-2l}, s^{-2l-1}, s^{-2l-3}`.
+    #[inline(always)]
     pub fn factors(&self, [square, before, decay, steep]: [f64; 4]) -> [f64; 2] {
         let (p, g) = (&self.position, &self.gradient);
         let position = p[0] + p[1] * decay + p[2] * steep;
@@ -57,6 +58,7 @@ impl Poloidal {
     }
 
     /// The factor of `H` in the pressure, `P s^{-l}`, given `decay = s^{-2l-1}`.
+    #[inline(always)]
     pub fn pressure(&self, decay: f64) -> f64 {
         self.amplitudes[0] + self.amplitudes[1] * decay
     }

@@ -1,5 +1,7 @@
 //! Points taken several at once, so that one instruction works on all of them.
 
+use crate::linalg::vectorized;
+
 /// Number of points taken at once.
 pub const LANES: usize = 8;
 
@@ -9,7 +11,7 @@ pub type Simd = [f64; LANES];
 /// Fills `out[point * stride + mode]`, `stride = out.len() / points`, batch by batch: `fill(positions, values)` gets the points'
 /// coordinates over `length` and writes `values[mode * LANES + lane]`.
 ///
-/// A last batch that is not full repeats its first point.
+/// A last batch that is not full repeats its first point. To use wide registers `fill` is to be `#[inline(always)]`.
 pub fn in_batches<const D: usize>(
     offsets: &[f64],
     length: f64,
@@ -17,9 +19,16 @@ pub fn in_batches<const D: usize>(
     out: &mut [f64],
     mut fill: impl FnMut(&[Simd; D], &mut [f64]),
 ) {
-    if offsets.is_empty() {
-        return;
+    if !offsets.is_empty() {
+        vectorized(
+            #[inline(always)]
+            || batches(offsets, length, count, out, &mut fill),
+        );
     }
+}
+
+#[inline(always)]
+fn batches<const D: usize>(offsets: &[f64], length: f64, count: usize, out: &mut [f64], fill: &mut impl FnMut(&[Simd; D], &mut [f64])) {
     let stride = out.len() / (offsets.len() / D);
     let mut values = vec![0.0; count * LANES];
     let mut positions = [[0.0; LANES]; D];
@@ -30,7 +39,7 @@ pub fn in_batches<const D: usize>(
         }
         fill(&positions, &mut values);
         for (lane, row) in rows.chunks_exact_mut(stride).enumerate() {
-            row.iter_mut().zip(values.chunks_exact(LANES)).for_each(|(out, mode)| *out = mode[lane]);
+            row.iter_mut().zip(values.as_chunks::<LANES>().0).for_each(|(out, mode)| *out = mode[lane]);
         }
     }
 }

@@ -57,6 +57,7 @@ impl SolidHarmonics {
     }
 
     /// Writes all harmonics up to the degree at several positions.
+    #[inline(always)]
     pub fn fill<const N: usize>(&self, [x, y, z]: &[[f64; N]; 3], values: &mut [[f64; N]]) {
         let square: [f64; N] = std::array::from_fn(|lane| x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane]);
         let root = 3.0_f64.sqrt();

@@ -70,16 +70,24 @@ impl Spherical {
     }
 
     /// Calls `fill(l, powers, harmonics, values)` for each batch of points and each degree.
+    #[inline(always)]
     fn each_degree(&self, offsets: &[f64], out: &mut [f64], fill: impl Fn(usize, &[Simd; 3], &Powers, &[Simd], &mut [f64])) {
         let mut harmonics = vec![[0.0; LANES]; (self.degrees.len() + 1).pow(2)];
-        in_batches(offsets, self.radius, self.count(), out, |position, values| {
-            self.harmonics.fill(position, &mut harmonics);
-            let mut powers = Powers::new(position);
-            for l in 1..=self.degrees.len() {
-                powers.next_degree();
-                fill(l, position, &powers, &harmonics, values);
-            }
-        });
+        in_batches(
+            offsets,
+            self.radius,
+            self.count(),
+            out,
+            #[inline(always)]
+            |position, values| {
+                self.harmonics.fill(position, &mut harmonics);
+                let mut powers = Powers::new(position);
+                for l in 1..=self.degrees.len() {
+                    powers.next_degree();
+                    fill(l, position, &powers, &harmonics, values);
+                }
+            },
+        );
     }
 }
 
@@ -116,31 +124,42 @@ impl Modes for Spherical {
     fn velocity_jumps(&self, offsets: &[f64], component: usize, out: &mut [f64]) {
         let scale = self.radius;
         let (gradient, rotation) = (self.harmonics.gradient(component), self.harmonics.rotation(component));
-        self.each_degree(offsets, out, |l, position, powers, harmonics, values| {
-            let (degree, along) = (&self.degrees[l - 1], &position[component]);
-            let [first, second] = degree.poloidal.each_ref().map(|mode| powers.velocity_factors(mode, scale));
-            let toroidal_part = degree.toroidal * scale / (2 * l + 1) as f64;
-            let toroidal_parts = each(|lane| toroidal_part * (powers.decay[lane] - 1.0));
-            for (index, &[normal, surface, toroidal]) in (l * l..).zip(&degree.places) {
-                let radial = each(|lane| along[lane] * harmonics[index][lane]);
-                let (slope, around) = (gradient[index].apply_each(harmonics), rotation[index].apply_each(harmonics));
-                set(values, normal, |lane| first[0][lane] * radial[lane] + first[1][lane] * slope[lane]);
-                set(values, surface, |lane| second[0][lane] * radial[lane] + second[1][lane] * slope[lane]);
-                set(values, toroidal, |lane| toroidal_parts[lane] * around[lane]);
-            }
-        });
+        self.each_degree(
+            offsets,
+            out,
+            #[inline(always)]
+            |l, position, powers, harmonics, values| {
+                let (degree, along) = (&self.degrees[l - 1], &position[component]);
+                let [first, second] = &degree.poloidal;
+                let [first, second] = [powers.velocity_factors(first, scale), powers.velocity_factors(second, scale)];
+                let toroidal_part = degree.toroidal * scale / (2 * l + 1) as f64;
+                let toroidal_parts = each(|lane| toroidal_part * (powers.decay[lane] - 1.0));
+                for (index, &[normal, surface, toroidal]) in (l * l..).zip(&degree.places) {
+                    let radial = each(|lane| along[lane] * harmonics[index][lane]);
+                    let (slope, around) = (gradient[index].apply_each(harmonics), rotation[index].apply_each(harmonics));
+                    set(values, normal, |lane| first[0][lane] * radial[lane] + first[1][lane] * slope[lane]);
+                    set(values, surface, |lane| second[0][lane] * radial[lane] + second[1][lane] * slope[lane]);
+                    set(values, toroidal, |lane| toroidal_parts[lane] * around[lane]);
+                }
+            },
+        );
     }
 
     fn pressure_jumps(&self, offsets: &[f64], out: &mut [f64]) {
-        self.each_degree(offsets, out, |l, _, powers, harmonics, values| {
-            let degree = &self.degrees[l - 1];
-            let [first, second] = degree.poloidal.each_ref().map(|mode| each(|lane| mode.pressure(powers.decay[lane])));
-            for (harmonic, &[normal, surface, toroidal]) in harmonics[l * l..].iter().zip(&degree.places) {
-                set(values, normal, |lane| first[lane] * harmonic[lane]);
-                set(values, surface, |lane| second[lane] * harmonic[lane]);
-                set(values, toroidal, |_| 0.0);
-            }
-        });
+        self.each_degree(
+            offsets,
+            out,
+            #[inline(always)]
+            |l, _, powers, harmonics, values| {
+                let degree = &self.degrees[l - 1];
+                let [first, second] = degree.poloidal.each_ref().map(|mode| each(|lane| mode.pressure(powers.decay[lane])));
+                for (harmonic, &[normal, surface, toroidal]) in harmonics[l * l..].iter().zip(&degree.places) {
+                    set(values, normal, |lane| first[lane] * harmonic[lane]);
+                    set(values, surface, |lane| second[lane] * harmonic[lane]);
+                    set(values, toroidal, |_| 0.0);
+                }
+            },
+        );
     }
 
     /// Blocks of one `(l, m)`: the two poloidal modes, coupled for `l >= 2`; the toroidal one is `a/(mu (2l + 1))`.
@@ -225,12 +244,14 @@ fn set(values: &mut [f64], mode: usize, value: impl FnMut(usize) -> f64) {
 
 impl Powers {
     /// Of degree 0.
+    #[inline(always)]
     fn new([x, y, z]: &[Simd; 3]) -> Self {
         let square = each(|lane| x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane]);
         let decay = each(|lane| 1.0 / square[lane].sqrt());
         Self { square, falloff: each(|lane| decay[lane] * decay[lane]), before: square, decay }
     }
 
+    #[inline(always)]
     fn next_degree(&mut self) {
         self.before = self.decay;
         self.decay = each(|lane| self.before[lane] * self.falloff[lane]);

@@ -3,7 +3,10 @@
 //! Each body sees the other along the axis of its own frame; so equal bodies are alike, and sums and differences
 //! of their multipliers go apart. Channels (see [`Degree`]) go apart in any case.
 
-use crate::surface::{Degree, Modes};
+use crate::{
+    linalg::vectorized,
+    surface::{Degree, Modes},
+};
 
 /// The arrangement of one combination of bodies.
 pub struct Pattern {
@@ -77,18 +80,24 @@ impl Pattern {
         seen.resize(self.size, 0.0);
         answer.clear();
         answer.resize(self.size, 0.0);
-        for (end, place) in self.ends.iter().zip(places) {
-            end.turn(turns, &wanted[place..], seen);
-        }
-        self.fold(seen);
-        self.multiply(values, seen, answer);
-        self.fold(answer);
-        for (end, place) in self.ends.iter().zip(places) {
-            end.turn_back(turns, answer, &mut found[place..]);
-        }
+        vectorized(
+            #[inline(always)]
+            || {
+                for (end, place) in self.ends.iter().zip(places) {
+                    end.turn(turns, &wanted[place..], seen);
+                }
+                self.fold(seen);
+                self.multiply(values, seen, answer);
+                self.fold(answer);
+                for (end, place) in self.ends.iter().zip(places) {
+                    end.turn_back(turns, answer, &mut found[place..]);
+                }
+            },
+        );
     }
 
     /// Sums and differences of the two bodies, where they are equal.
+    #[inline(always)]
     fn fold(&self, frame: &mut [f64]) {
         if !self.equal {
             return;
@@ -102,6 +111,7 @@ impl Pattern {
         }
     }
 
+    #[inline(always)]
     fn multiply(&self, mut values: &[f32], mut seen: &[f64], mut answer: &mut [f64]) {
         for channel in &self.channels {
             let [first, second] = channel.modes.each_ref().map(Vec::len);
@@ -117,6 +127,7 @@ impl Pattern {
     }
 }
 
+#[inline(always)]
 fn multiply_block(block: &[f32], input: &[f64], output: &mut [f64]) {
     for (value, column) in input.iter().zip(block.chunks_exact(input.len())) {
         output.iter_mut().zip(column).for_each(|(out, entry)| *out += value * f64::from(*entry));
@@ -140,6 +151,7 @@ impl PairEnd {
         PairEnd { families: families.into_iter().map(place).collect() }
     }
 
+    #[inline(always)]
     fn turn(&self, turns: &[f32], wanted: &[f64], seen: &mut [f64]) {
         for PlacedBlock { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
@@ -150,6 +162,7 @@ impl PairEnd {
         }
     }
 
+    #[inline(always)]
     fn turn_back(&self, turns: &[f32], answer: &[f64], found: &mut [f64]) {
         for PlacedBlock { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
