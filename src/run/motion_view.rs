@@ -19,6 +19,8 @@ use crate::{
 pub struct ContactTotals {
     /// How many bear a force.
     pub held: usize,
+    /// On how many bodies these act: two for each but those with walls.
+    pub ends: usize,
     /// The sum of these forces.
     pub force: f64,
     /// How many stick.
@@ -68,12 +70,24 @@ impl<'a, const D: usize> MotionView<'a, D> {
     /// How many contacts bear a force and what these sum up to, how many stick, and their least memory: of all ranks. Collective.
     pub fn contact_totals(&self, world: &World) -> ContactTotals {
         let state = self.state();
-        let held: Vec<f64> = self.held().iter().filter(|held| state.tells(held.body)).map(|held| held.force).collect();
-        let mut sums = [held.len() as f64, held.iter().sum(), state.told_stuck().count() as f64];
+        let held = self.held();
+        let told = || held.iter().filter(|held| state.tells(held.body));
+        let ends = told().flat_map(|held| bodies_of(held.identity())).count();
+        let force: f64 = told().map(|held| held.force).sum();
+        let mut sums = [told().count() as f64, force, state.told_stuck().count() as f64, ends as f64];
         let gamma = state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min);
         let peers = state.peers(world);
         peers.sum(&mut sums);
-        ContactTotals { held: sums[0] as usize, force: sums[1], stuck: sums[2] as usize, gamma: peers.min(gamma) }
+        let [held, ends] = [sums[0], sums[3]].map(|sum| sum as usize);
+        ContactTotals { held, ends, force: sums[1], stuck: sums[2] as usize, gamma: peers.min(gamma) }
+    }
+
+    /// The mean of `n n` over the normals of contacts that press, in a flow, whose ranks all know all contacts; nothing where none does.
+    pub fn fabric(&self) -> Option<SMatrix<f64, D, D>> {
+        let pressed = || self.observation.contacts.iter().filter(|pressed| pressed.force > 0.0);
+        let sum: SMatrix<f64, D, D> = pressed().map(|pressed| pressed.contact.normal * pressed.contact.normal.transpose()).sum();
+        let count = pressed().count();
+        (count > 0).then(|| sum / count as f64)
     }
 
     /// Contacts that bear a force, of the bodies of this rank, as lines between centers or from a center to a wall. Collective.

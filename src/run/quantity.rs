@@ -28,6 +28,10 @@ pub trait QuantityValue<const D: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finite(pub f64);
 
+/// A value that does not exist at times: its cells are empty then.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Perhaps<M>(pub Option<M>);
+
 type Measurement<const D: usize> = Box<dyn Fn(&View<D>) -> Result<Option<Vec<Number>>>>;
 
 /// A quantity that is measured at each instant of a run.
@@ -127,6 +131,16 @@ impl<const D: usize, M: QuantityValue<D>> QuantityValue<D> for Shown<M> {
 
     fn numbers(self) -> Vec<Number> {
         self.0
+    }
+}
+
+impl<const D: usize, M: QuantityValue<D>> QuantityValue<D> for Perhaps<M> {
+    fn endings() -> Vec<String> {
+        M::endings()
+    }
+
+    fn numbers(self) -> Vec<Number> {
+        self.0.map_or_else(|| vec![Number::Missing; M::endings().len()], M::numbers)
     }
 }
 

@@ -452,7 +452,7 @@ fn a_disk_that_oscillates_bears_the_exact_force_and_torque(session: &Session) {
         }
         // the velocity is -sin t, the load what resists it
         let (size, lead) = (found[0].hypot(found[1]), found[1].atan2(found[0]).to_degrees());
-        assert!((size / exact - 1.0).abs() < 0.02 && (lead - phase).abs() < 1.0, "{motion}: {size} at {lead} degrees");
+        assert!((size / exact - 1.0).abs() < 0.01 && (lead - phase).abs() < 1.0, "{motion}: {size} at {lead} degrees");
     }
 }
 

@@ -27,6 +27,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(every_output_conforms_at_an_instant),
         Test::of(a_new_output_is_told_of_each_instant_once),
         Test::of(a_run_of_another_dimension_is_refused),
+        Test::of(a_column_of_disks_has_its_fabric_and_its_number_of_contacts),
     ]
 }
 
@@ -60,11 +61,11 @@ fn dry() -> Scene {
 }
 
 fn every_output_conforms_in_a_flow(session: &Session) {
-    conform(session, in_time(disks()), 11);
+    conform(session, in_time(disks()), 12);
 }
 
 fn every_output_conforms_in_a_dry_run(session: &Session) {
-    conform(session, dry(), 11);
+    conform(session, dry(), 12);
 }
 
 fn every_output_conforms_at_an_instant(session: &Session) {
@@ -138,6 +139,31 @@ impl Output<2> for Count {
         assert_eq!(summary.steps, view.motion.map_or(0, |motion| motion.state().steps));
         Ok(Vec::new())
     }
+}
+
+/// What contacts were at the end.
+#[derive(Default)]
+struct Network(Rc<RefCell<Option<(Option<nalgebra::Matrix2<f64>>, usize, usize)>>>);
+
+impl Output<2> for Network {
+    fn write(&mut self, view: &View<2>) -> Result<()> {
+        let (motion, totals) = (view.motion.unwrap(), view.contacts().unwrap());
+        *self.0.borrow_mut() = Some((motion.fabric(), totals.held, totals.ends));
+        Ok(())
+    }
+}
+
+/// Two disks, one on the other, pressed on a floor: two contacts along y, one of them with a wall.
+fn a_column_of_disks_has_its_fabric_and_its_number_of_contacts(session: &Session) {
+    let text = "domain = { size = [2.0, 2.4], y = { lower = [0.0, 0.0], upper = [0.0, 0.0] } }\nresolution.cells_per_radius = 4\n\
+                bodies = [{ radius = 0.3, centers = [[1.0, 0.3001], [1.0, 0.9002]], force = [0.0, -1.0] }]\n\
+                contact.model = \"inelastic\"\ntime = { end = 0.06, step = 0.02 }\n";
+    let scene = Scene::parse("column", Path::new("."), text, &[]).unwrap();
+    let found = Rc::default();
+    state(session, &scene, Some(Box::new(Network(Rc::clone(&found)))));
+    let (fabric, held, ends) = found.borrow().unwrap();
+    let wanted = nalgebra::Matrix2::new(0.0, 0.0, 0.0, 1.0);
+    assert!((held, ends) == (2, 3) && (fabric.unwrap() - wanted).norm() < 1e-9, "{held} contacts on {ends} bodies, {fabric:?}");
 }
 
 fn a_new_output_is_told_of_each_instant_once(session: &Session) {

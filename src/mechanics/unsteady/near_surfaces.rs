@@ -2,7 +2,6 @@
 
 use nalgebra::SVector;
 
-use super::viscous_flux::BAND;
 use crate::{
     error::Result,
     grid::Grid,
@@ -13,6 +12,9 @@ use crate::{
     },
     petsc::Vector,
 };
+
+/// Distance from a surface, in cells, up to which viscous fluxes are of fourth order.
+pub const BAND: f64 = 2.0;
 
 /// How far from a surface interpolation on it reaches, in cells.
 const REACH: f64 = 3.0;

@@ -14,15 +14,12 @@
 //! Where one side of a face lies inside and the other outside, either row misses what the jump between them has beyond that of steady flow; of the mean of both, which is
 //! small, rows take a flux.
 
-use super::near_surfaces::NearSurfaces;
+use super::near_surfaces::{BAND, NearSurfaces};
 use crate::{
     error::Result,
     grid::{Block, Grid, Index, Node, operators::signed},
     petsc::{Scatter, Vector},
 };
-
-/// Distance from a surface, in cells, up to which fluxes are of fourth order.
-pub const BAND: f64 = 2.0;
 
 /// One over the weight of a third difference in a flux.
 const OVER_FACTOR: f64 = 12.0;

@@ -3,7 +3,7 @@
 use crate::{
     contact::{FrictionReport, KktReport, Solver},
     run::{
-        quantity::{Finite, Quantity},
+        quantity::{Finite, Perhaps, Quantity},
         view::View,
     },
     scene::ContactModel,
@@ -16,6 +16,18 @@ pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new("contacts", "", "contacts that bear a force or stick", |view| {
             contact(view).and_then(|_| Some(view.contacts()?.held))
         }),
+        Quantity::new(
+            "contact_number",
+            "",
+            "mean number of such contacts of a body: the coordination number of the network of contacts",
+            |view| contact(view).and_then(|_| Some(view.contacts()?.ends as f64 / view.motion?.state().count() as f64)),
+        ),
+        Quantity::new(
+            "fabric",
+            "",
+            "in a flow the mean of `n n` over the normals of contacts that press: the fabric tensor; empty where none does",
+            |view| contact(view).and(view.flow).and(view.motion).map(|motion| Perhaps(motion.fabric())),
+        ),
         Quantity::new("stuck", "", "contacts that stick (`gluey`)", |view| contact(view)?.gluey().then(|| Some(view.contacts()?.stuck))?),
         Quantity::new("smallest_gap", "radii of the smaller body", gap, |view| {
             contact(view).map(|_| Finite(kept(view).map_or(f64::INFINITY, |kept| kept.smallest_gap)))
