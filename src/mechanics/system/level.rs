@@ -48,7 +48,8 @@ pub struct Level<const D: usize> {
     pub smooth: Vec<Vec<f64>>,
     /// Their means over the time in which viscosity passes half a cell, by which surfaces in thin gaps are damped.
     pub slow: Vec<Vec<f64>>,
-    /// Their means over the time in which viscosity passes .7 of a cell: what `smooth` differs from them by tells how fast multipliers change.
+    /// Their means over the time in which viscosity passes .7 of a cell: what `smooth` differs from them by tells how fast multipliers change. Less at the start,
+    /// and nothing in sheared boxes.
     pub lagging: Vec<Vec<f64>>,
     /// Centres of the bodies, not wrapped into the box.
     pub centers: Vec<SVector<f64, D>>,

@@ -30,7 +30,7 @@ pub struct UnsteadyJump<const D: usize> {
 impl<const D: usize> Level<D> {
     /// What the jump of a body has beyond that of steady flow; nothing where multipliers do not change.
     pub fn unsteady_jump(&self, body_types: &BodyTypes<D>, body: usize) -> Option<UnsteadyJump<D>> {
-        let factor = self.resolved / (6.0 * (OF_RATES - OF_JUMPS) * body_types.spacing().powi(2));
+        let factor = 1.0 / (6.0 * (OF_RATES - OF_JUMPS) * body_types.spacing().powi(2));
         let change = self.smooth[body].iter().zip(&self.lagging[body]).map(|(smooth, lagging)| factor * (smooth - lagging));
         let coefficients: Vec<f64> = change.collect();
         let changes = coefficients.iter().any(|change| *change != 0.0);

@@ -36,6 +36,12 @@ pub fn followed(means: &[Vec<f64>], (before, now): (&[Vec<f64>], &[Vec<f64>]), f
     means.iter().zip(before).zip(now).map(|((mean, before), now)| mean.iter().zip(before).zip(now).map(follow).collect()).collect()
 }
 
+/// Means that differ from `smooth` ones by a part of what `lagging` ones do.
+pub fn between(smooth: &[Vec<f64>], lagging: &[Vec<f64>], part: f64) -> Vec<Vec<f64>> {
+    let mean = |(smooth, lagging): (&f64, &f64)| smooth + part * (lagging - smooth);
+    smooth.iter().zip(lagging).map(|(smooth, lagging)| smooth.iter().zip(lagging).map(mean).collect()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

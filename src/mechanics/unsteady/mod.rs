@@ -22,7 +22,7 @@ use nalgebra::{SMatrix, SVector};
 use self::{
     convected::young,
     damping::damp,
-    memory::{Forgetting, followed},
+    memory::{Forgetting, between, followed},
     momentum::Momentum,
     near_surfaces::NearSurfaces,
     rows::{Past, kept},
@@ -455,9 +455,9 @@ impl<const D: usize> UnsteadySuspension<D> {
         let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
         let means = [(&last.smooth, forgetting.of_jumps), (&last.slow, forgetting.in_gaps), (&last.lagging, forgetting.of_rates)];
         let [smooth, slow, lagging] = means.map(|(means, forgetting)| followed(means, (before, &multipliers), forgetting));
-        // frames that slide past each other see what lags behind at different places
-        let lagging = if self.fixed.setup.domain.slide().is_some() { smooth.clone() } else { lagging };
         let resolved = last.resolved;
+        // layers thinner than a cell, as at the start, tell no rates; frames that slide past each other would see them at different places
+        let lagging = between(&smooth, &lagging, if self.fixed.setup.domain.slide().is_some() { 0.0 } else { resolved });
         let mut impulses = vec![Wrench::zero(); centers.len()];
         let contacts = configuration.contacts.iter().zip(&solution.contact_forces);
         for (body, push) in contacts.flat_map(|(row, force)| row.wrenches(force * weights.step)) {
