@@ -26,7 +26,7 @@ def test_the_pair_distribution_is_that_of_the_program(name, request):
 
 def test_displacements_are_those_of_the_frames(walls):
     frames = walls.steady_frames()
-    centres = [frame.bodies[["center_x", "center_y"]].to_numpy() for frame in frames]
+    centres = [frame.centres[:, :2] for frame in frames]
     squares, lags = [], []
     for (one, before), (other, now) in itertools.pairwise(zip(centres, [frame.time for frame in frames], strict=True)):
         steps, strain = other - one, now - before

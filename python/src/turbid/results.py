@@ -60,7 +60,7 @@ class Run:
         self._series = Cached(self.folder / "series.csv", read_table)
         self._forces = Cached(self.folder / "forces.csv", read_table)
         self._energy = Cached(self.folder / "energy.csv", read_table)
-        self._displacements = Cached(self.folder / "displacements.csv", read_table)
+        self._displacements = Cached(self.folder / "displacements.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
         self._pairs = Cached(self.folder / "pairs.json", lambda path: PairDistribution.of_program(read_json(path)))
         self._frames = Cached(self.folder / "run.h5", list_frames)
 
