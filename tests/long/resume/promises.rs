@@ -57,6 +57,8 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
     assert!(
         !columns.iter().any(|column| [
             "contacts",
+            "contact_number",
+            "fabric_xx",
             "smallest_gap",
             "kkt_residual",
             "contact_force",
@@ -79,6 +81,7 @@ fn an_effect_that_is_off_is_null_and_has_no_column() {
             "time",
             "last_step",
             "contacts",
+            "contact_number",
             "smallest_gap",
             "kkt_residual",
             "contact_force",
