@@ -50,7 +50,8 @@ fn a_run_that_ended_early_goes_on_to_a_narrower_interval() {
     let scene = write(&here, QUICK);
     let settings = [LATEST, UNTIL, PLAIN];
     let ended = run(1, &scene, &here.join("twice"), &settings);
-    let narrower = format!("time.until.viscosity_interval={:?}", 0.8 * known(&ended));
+    // the rounding of the instant at which it goes on grows tenfold in a strain of 3
+    let narrower = format!("time.until.viscosity_interval={:?}", 0.9 * known(&ended));
     let resumed = resume(1, &here.join("twice"), &[&narrower]);
     let once = run(1, &scene, &here.join("once"), &[&settings[..], &[&narrower]].concat());
     assert!(number(&resumed, "steps") > number(&ended, "steps"));
