@@ -54,6 +54,18 @@ fn a_sphere_on_a_wall_in_shear_rubs_above_the_critical_load(session: &Session) {
     rolls_or_slips(session, Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0);
 }
 
+/// How fast the first disk of a scene goes along x, at its first instant from a time on.
+pub fn speeds(session: &Session, text: &str) -> impl Fn(f64) -> f64 + use<> {
+    let mut simulation = Simulation::<2>::new(session, &Scene::parse("speeds", Path::new("."), text, &[]).unwrap()).unwrap();
+    let mut speeds = Vec::new();
+    while !simulation.over() {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        speeds.push((simulation.state().time, observation.twists[0].velocity[0]));
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    move |time: f64| speeds.iter().find(|(of, _)| *of > time - 1e-9).unwrap().1
+}
+
 /// By `mu (g - c / m)`, with inertia.
 fn a_heavy_disk_in_a_thin_fluid_is_slowed_by_what_exceeds_the_load(session: &Session) {
     let text = "gravity = [0.0, -1.0]\ndomain = { size = [8.0, 6.0], y = \"walls\" }\n\
@@ -62,14 +74,7 @@ fn a_heavy_disk_in_a_thin_fluid_is_slowed_by_what_exceeds_the_load(session: &Ses
                 bodies = [{ radius = 1.0, density = 1.0, centers = [[2.0, 1.011]], velocity = [1.0, 0.0] }]\n\
                 contact = { model = \"inelastic\", friction = { coefficient = 0.5, critical_load = 1.25663706 }, roughness = 0.02 }\n\
                 time = { end = 0.55, step = 0.025 }\n";
-    let mut simulation = Simulation::<2>::new(session, &Scene::parse("load", Path::new("."), text, &[]).unwrap()).unwrap();
-    let mut speeds = Vec::new();
-    while !simulation.over() {
-        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        speeds.push((simulation.state().time, observation.twists[0].velocity[0]));
-        simulation.step(&observation, &mut |_, _| {}).unwrap();
-    }
-    let at = |time: f64| speeds.iter().find(|(of, _)| *of > time - 1e-9).unwrap().1;
+    let at = speeds(session, text);
     let slowed = (at(0.2) - at(0.5)) / 0.3;
     // lighter by the weight of the fluid; the load is 0.4 of the weight
     assert!((slowed / (0.5 * 0.599) - 1.0).abs() < 6e-3, "{slowed}");

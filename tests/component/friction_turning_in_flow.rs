@@ -1,19 +1,16 @@
 //! Friction against rolling and twisting in a flow: limits, couples that balance, what may not matter. Viscosity and rate are 1.
 
-use std::path::Path;
-
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 use turbid::{
     body::{Twist, components, skew},
     contact::{ContactForce, FrictionLaw, FrictionReport},
     mechanics::{History, Setup},
-    motion::Simulation,
     petsc::Session,
-    scene::Scene,
 };
 
 use crate::{
     Test,
+    friction_by_law_in_flow::speeds,
     friction_in_flow::{
         crowd, evaluate, forces, is_what_the_flow_feels, pressed_on_a_floor, rubbing_by, sheared, spheres, step, stresses_add_up,
     },
@@ -103,14 +100,7 @@ fn a_disk_that_rolls_in_a_thin_fluid_comes_to_rest(session: &Session) {
                 bodies = [{ radius = 1.0, density = 1.0, centers = [[2.0, 1.01001]], velocity = [0.5, 0.0], spin = -0.4950495 }]\n\
                 contact = { model = \"inelastic\", friction = { coefficient = 2.0, rolling = 0.8 }, roughness = 0.02 }\n\
                 time = { end = 1.2, step = 0.025 }\n";
-    let mut simulation = Simulation::<2>::new(session, &Scene::parse("rolls", Path::new("."), text, &[]).unwrap()).unwrap();
-    let mut speeds = Vec::new();
-    while !simulation.over() {
-        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        speeds.push((simulation.state().time, observation.twists[0].velocity[0]));
-        simulation.step(&observation, &mut |_, _| {}).unwrap();
-    }
-    let at = |time: f64| speeds.iter().find(|(of, _)| *of > time - 1e-9).unwrap().1;
+    let at = speeds(session, text);
     let slowed = (at(0.2) - at(0.6)) / 0.4;
     let square = 1.01_f64.powi(2);
     // lighter by the weight of the fluid
