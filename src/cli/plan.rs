@@ -69,11 +69,11 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, (ra
     if ranks == session.world().size() && plan.bytes() > session.world().available_memory_bytes() {
         return Ok("not predicted: there is not enough memory".into());
     }
-    if plan.unknowns().is_none_or(|(grid, _)| grid <= TRIED_UNKNOWNS)
-        && let Some(trial) = Trial::of::<D>(session, &Scene { accuracy: None, ..scene.clone() })?
-    {
-        let trial = Trial { start: begun + trial.start, ..trial };
-        return Ok(tried(session, trial, plan, ranks));
+    if plan.unknowns().is_none_or(|(grid, _)| grid <= TRIED_UNKNOWNS) {
+        return Ok(match Trial::of::<D>(session, &Scene { accuracy: None, ..scene.clone() })? {
+            Ok(trial) => tried(session, Trial { start: begun + trial.start, ..trial }, plan, ranks),
+            Err(reason) => format!("not predicted: a run ends in its first steps: {reason}"),
+        });
     }
     let Some((grid, multipliers)) = plan.unknowns().filter(|_| !scene.scalar()) else {
         return Ok("not predicted: no flow is solved".into());

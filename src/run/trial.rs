@@ -35,11 +35,11 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Runs a scene of dimension `D` for a while; nothing if it cannot be run. It leaves no files behind. Collective.
+    /// Runs a scene of dimension `D` for a while; what the run ends with, if it does not come so far. It leaves no files behind. Collective.
     ///
     /// # Errors
     /// PETSc fails, or files cannot be written.
-    pub fn of<const D: usize>(session: &Session, scene: &Scene) -> Result<Option<Trial>> {
+    pub fn of<const D: usize>(session: &Session, scene: &Scene) -> Result<std::result::Result<Trial, String>> {
         let world = session.world();
         let process = world.gather(&[std::process::id()])[0];
         let path = std::env::temp_dir().join(format!("turbid-plan-{process}"));
@@ -50,10 +50,14 @@ impl Trial {
             Ok(())
         })?;
         match trial {
-            Ok(trial) => Ok(Some(trial)),
-            Err(Error::Refused(_) | Error::Diverged(_) | Error::StepTooLong { .. } | Error::CourantExceeded(_) | Error::Contact { .. }) => {
-                Ok(None)
-            }
+            Ok(trial) => Ok(Ok(trial)),
+            Err(
+                error @ (Error::Refused(_)
+                | Error::Diverged(_)
+                | Error::StepTooLong { .. }
+                | Error::CourantExceeded(_)
+                | Error::Contact { .. }),
+            ) => Ok(Err(error.to_string())),
             Err(error) => Err(error),
         }
     }

@@ -44,11 +44,11 @@ pub struct Level<const D: usize> {
     pub fluid: Vector,
     /// Multipliers, body by body; none where the method has no jump functions.
     pub multipliers: Vec<Vec<f64>>,
-    /// Their means over the time in which viscosity passes a third of a cell, of which jump functions are.
+    /// Their means over the time in which viscosity passes a third of a cell: with what they lag behind, those of jump functions.
     pub smooth: Vec<Vec<f64>>,
     /// Their means over the time in which viscosity passes half a cell, by which surfaces in thin gaps are damped.
     pub slow: Vec<Vec<f64>>,
-    /// Their means over the time in which viscosity passes .7 of a cell: what `smooth` differs from them by tells how fast multipliers change. Less at the start,
+    /// Their means over the time in which viscosity passes a cell: what `smooth` differs from them by tells how fast multipliers change. Less at the start,
     /// and nothing in sheared boxes.
     pub lagging: Vec<Vec<f64>>,
     /// Centres of the bodies, not wrapped into the box.
@@ -111,7 +111,7 @@ pub struct Band {
 impl<const D: usize> Level<D> {
     /// The jumps of a component of the velocity, outside minus inside, at offsets from the centre of a body, none in its core; one after the other.
     pub fn jumps_at(&self, body_types: &BodyTypes<D>, body: usize, offsets: &[f64], component: usize) -> Vec<f64> {
-        let (modes, coefficients) = (&body_types.surface(body).modes, self.coefficients(body, &self.smooth[body]));
+        let (modes, coefficients) = (&body_types.surface(body).modes, self.coefficients(body, &self.of_jumps(body)));
         let count = modes.jump_count();
         let mut jumps = vec![0.0; offsets.len() / D * count];
         modes.velocity_jumps(offsets, component, &mut jumps);
@@ -142,7 +142,8 @@ impl<const D: usize> Level<D> {
     /// # Errors
     /// PETSc fails.
     pub fn band(&self, grid: &Grid<D>, body_types: &BodyTypes<D>) -> Result<Band> {
-        Ok(Band { near: self.near(grid, body_types)?, ..self.jumps(grid, body_types, &self.smooth) })
+        let multipliers: Vec<Vec<f64>> = (0..self.centers.len()).map(|body| self.of_jumps(body)).collect();
+        Ok(Band { near: self.near(grid, body_types)?, ..self.jumps(grid, body_types, &multipliers) })
     }
 
     /// The jumps in bodies by these multipliers of all of them.

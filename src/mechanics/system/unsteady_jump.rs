@@ -18,7 +18,7 @@ use crate::surface::Modes;
 /// Memories of two means of multipliers, over the time in which viscosity passes a cell: of jump functions, and of a longer one whose distance from it tells the rate of change.
 /// Disks that a stream carries by half a cell a step are stable from memories of 0.03 on, at 0.01 they are not.
 pub const OF_JUMPS: f64 = 0.125;
-pub const OF_RATES: f64 = 0.5;
+pub const OF_RATES: f64 = 1.0;
 
 /// What a jump has beyond that of steady flow, for one body.
 pub struct UnsteadyJump<const D: usize> {
@@ -28,11 +28,20 @@ pub struct UnsteadyJump<const D: usize> {
 }
 
 impl<const D: usize> Level<D> {
+    /// Rates of change of the multipliers of a body, times the time in which viscosity passes a cell.
+    fn rates(&self, body: usize) -> impl Iterator<Item = f64> {
+        self.smooth[body].iter().zip(&self.lagging[body]).map(|(smooth, lagging)| (smooth - lagging) / (OF_RATES - OF_JUMPS))
+    }
+
+    /// Multipliers of a body as jump functions take them: means that their rates of change bring up to the time of this level.
+    pub fn of_jumps(&self, body: usize) -> Vec<f64> {
+        self.smooth[body].iter().zip(self.rates(body)).map(|(smooth, rate)| smooth + OF_JUMPS * rate).collect()
+    }
+
     /// What the jump of a body has beyond that of steady flow; nothing where multipliers do not change.
     pub fn unsteady_jump(&self, body_types: &BodyTypes<D>, body: usize) -> Option<UnsteadyJump<D>> {
-        let factor = 1.0 / (6.0 * (OF_RATES - OF_JUMPS) * body_types.spacing().powi(2));
-        let change = self.smooth[body].iter().zip(&self.lagging[body]).map(|(smooth, lagging)| factor * (smooth - lagging));
-        let coefficients: Vec<f64> = change.collect();
+        let factor = 1.0 / (6.0 * body_types.spacing().powi(2));
+        let coefficients: Vec<f64> = self.rates(body).map(|rate| factor * rate).collect();
         let changes = coefficients.iter().any(|change| *change != 0.0);
         changes.then(|| UnsteadyJump { radius: body_types.surface(body).modes.radius(), coefficients })
     }

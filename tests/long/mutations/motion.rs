@@ -29,8 +29,9 @@ const DRAWN: u64 = 500;
 /// Of how many scenes one goes through each kind of pair, and two through `turbid plan`.
 const SAMPLE: u64 = 20;
 
-/// Seconds of a core for a run.
+/// Seconds of a core for a run, and for a plan, which runs a scene for two seconds.
 const SECONDS: u32 = 2;
+const SECONDS_OF_PLAN: u32 = 10;
 
 /// Runs a scene into a folder of its own within the limits; nothing if they did not let it end.
 pub fn run(here: &Path, name: &str, text: &str, settings: &[&str]) -> Option<(PathBuf, Output)> {
@@ -76,7 +77,7 @@ fn examined(seed: u64, here: &Path) -> (&'static str, Vec<String>) {
 /// The command `turbid plan`, which also solves a sample of the scene, accepts what runs.
 fn plans_as_it_runs(here: &Path, seed: u64, run: Option<i32>) -> Option<String> {
     let scene = here.join(format!("run-{seed}.toml"));
-    let output = limited(SECONDS, &["plan", scene.to_str().unwrap()]);
+    let output = limited(SECONDS_OF_PLAN, &["plan", scene.to_str().unwrap()]);
     let code = output.status.code();
     let right = code == Some(0) || code == Some(2) && run == Some(2);
     (!right).then(|| format!("turbid plan ends with {code:?}, the run with {run:?}: {}", said(&output)))
