@@ -287,7 +287,9 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// That of a state.
     pub(super) fn solve_tolerance(&self, state: &State<D>) -> f64 {
-        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
+        let time = &self.step_control.time;
+        let error = if time.step == Step::Auto && !self.evolves() { time.error } else { 0.0 };
+        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state), error);
         if self.tried_rate.is_some() { tolerance.min(LOOSEST_AT_STRESS) } else { tolerance }
     }
 
