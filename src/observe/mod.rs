@@ -24,8 +24,10 @@ mod shear;
 mod species;
 pub mod statistics;
 mod stress;
+mod structure_factor;
 mod viscosity;
 mod vorticity;
+mod wave_vectors;
 
 pub use body::FrameBody;
 pub use bonded::chains::ChainNumbers;
@@ -51,5 +53,6 @@ pub use scale::SpeedScale;
 pub use shear::Shear;
 pub use species::{species, species_of};
 pub use stress::{NormalStresses, Stress};
+pub use structure_factor::{ShellMean, StructureFactor};
 pub use viscosity::{Viscosity, viscosity, why_no_viscosity};
 pub use vorticity::{CellVorticity, vorticity_at};

@@ -58,12 +58,12 @@ impl<'a, const D: usize> PairCounts<'a, D> {
         PairCounts { domain, radii, shear, radial, directions, neighbours: 0, configurations: 0 }
     }
 
-    /// Adds the configuration of a time, to which images have slid if they do; bodies in the order of the radii.
-    pub fn add(&mut self, time: f64, balls: &[Ball<D>]) {
+    /// Adds a configuration in the box as it is at its time, to which images have slid if they do; bodies in the order of the radii.
+    pub fn add(&mut self, domain: &Domain<D>, balls: &[Ball<D>]) {
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let far = WIDTH * self.radial.len() as f64;
         let reach = 2.0 * largest * far.max(0.5 * NEAR);
-        visit_near_pairs(&self.domain.clone().at(time), balls, reach, |pair| self.count(&pair));
+        visit_near_pairs(domain, balls, reach, |pair| self.count(&pair));
         self.configurations += 1;
     }
 
@@ -224,7 +224,7 @@ mod tests {
                 margin + random.random::<f64>() * (size[axis] - 2.0 * margin)
             };
             let mut ball = |&radius: &f64| Ball { center: SVector::from_fn(|axis, _| place(axis)), radius };
-            counts.add(0.0, &radii.iter().map(&mut ball).collect::<Vec<_>>());
+            counts.add(&domain, &radii.iter().map(&mut ball).collect::<Vec<_>>());
         }
         counts.distribution().expect("there are pairs")
     }
@@ -276,7 +276,7 @@ mod tests {
         // separations of 0.7, of (2, 0.7), of (-1.8, 0.7) and, after whole lengths of the box, of 0.7 again
         for (time, separation) in [(0.0, 0.35), (0.25, 1.0595), (1.775, 0.9657), (4.0, 0.35)] {
             let mut counts = PairCounts::new(&domain, &[1.0; 2], None);
-            counts.add(time, &balls);
+            counts.add(&domain.clone().at(time), &balls);
             let bin = ((f64::max(separation, 1.0) - 1.0) / WIDTH) as usize;
             let found: Vec<usize> = counts.radial.iter().enumerate().filter(|(_, count)| **count > 0).map(|(bin, _)| bin).collect();
             assert_eq!(found, [bin], "at {time}");
@@ -291,7 +291,7 @@ mod tests {
         let balls: Vec<Ball<2>> =
             [[1.0, 1.0], [3.08, 1.0], [1.0, 3.08], [3.08, 3.08]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 }).to_vec();
         let mut counts = PairCounts::new(&domain, &radii, None);
-        counts.add(0.0, &balls);
+        counts.add(&domain, &balls);
         let distribution = counts.distribution().expect("there are pairs");
         assert_eq!((distribution.configurations, distribution.coordination), (1, 4.0));
         let directions: Vec<f64> = distribution.angular.iter().filter(|(_, part)| *part > 0.0).map(|(degrees, _)| *degrees).collect();

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     AccuracySummary, DisplacementSummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary, PairSummary, ParallelSummary,
-    QuantitySummary, ScalarSummary, Spread, TooShort, VelocitySummary,
+    QuantitySummary, ScalarSummary, Spread, StructureFactorSummary, TooShort, VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
 };
 use crate::{
@@ -66,6 +66,8 @@ pub struct Summary {
     pub contact: Option<ContactSummary>,
     /// How bodies lie to each other, if the scene asks for it.
     pub pairs: Option<PairSummary>,
+    /// How far from random their places are at each length, if the scene asks for it.
+    pub structure_factor: Option<StructureFactorSummary>,
     /// How far they go besides what carries all of them along, if the scene asks for it.
     pub displacements: Option<DisplacementSummary>,
     /// What the last solve of the flow cost.
@@ -343,6 +345,7 @@ impl Summary {
             lubrication: None,
             contact: None,
             pairs: None,
+            structure_factor: None,
             displacements: None,
             solver: None,
             motion: None,

@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 35] = [
+const FILES: [&str; 37] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -44,6 +44,8 @@ const FILES: [&str; 35] = [
     "pairs.csv",
     "pairs.json",
     "pairs.svg",
+    "structure-factor.csv",
+    "structure-factor.svg",
     "displacements.csv",
     "displacements.svg",
     "profiles.csv",
@@ -59,7 +61,7 @@ const FILES: [&str; 35] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 29] = [
+pub const KNOWN_FILES: [(&str, &str); 31] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
@@ -74,6 +76,8 @@ pub const KNOWN_FILES: [(&str, &str); 29] = [
     ("pairs.svg", "the pair distribution"),
     ("pairs.csv", "the pair distribution as numbers"),
     ("pairs.json", "the pair distribution with its angles"),
+    ("structure-factor.svg", "the structure factor"),
+    ("structure-factor.csv", "the structure factor as numbers"),
     ("displacements.svg", "mean-square displacements over the lag"),
     ("displacements.csv", "mean-square displacements as numbers"),
     ("profiles.svg", "profiles across the box"),

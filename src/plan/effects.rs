@@ -123,6 +123,7 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     });
     let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and what contacts take, after every step".to_owned());
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
+    let structure_factor = scene.output.structure_factor.then(|| "along periodic axes, from the frames once the run has ended".to_owned());
     let displacements = scene.output.displacements.then(|| "mean squares, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
@@ -132,6 +133,7 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         ("forces output", forces),
         ("balance of energy", energy),
         ("pair distribution", pairs),
+        ("structure factor", structure_factor),
         ("displacements", displacements),
         ("picture", picture),
     ];

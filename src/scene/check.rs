@@ -27,6 +27,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     accuracy::check(scene)?;
     check_until(scene)?;
     check_reference(scene)?;
+    check_structure_factor(scene)?;
     energy::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
@@ -325,6 +326,13 @@ fn check_until(scene: &Scene) -> Result<()> {
     let known = scene.flow.model == FlowModel::Stokes && free && sheared(scene);
     let remedy = "is that of a sheared suspension of free bodies in Stokes flow; remove it, or let walls across one axis slide and others be periodic";
     expect(scene, known, "time.until.viscosity_interval", until.viscosity_interval, remedy)
+}
+
+/// Wave vectors are those of periodic axes.
+fn check_structure_factor(scene: &Scene) -> Result<()> {
+    let periodic = scene.domain.axes.iter().any(|axis| matches!(axis, AxisSection::Periodic));
+    let remedy = "takes waves along a periodic axis, and the box has none; set domain.x = \"periodic\" or remove it";
+    expect(scene, periodic || !scene.output.structure_factor, "output.structure_factor", "true", remedy)
 }
 
 /// Coefficients of drag and lift are forces on bodies whose motion is given, over time, over those of the stream's inertia.

@@ -348,12 +348,18 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         checkpoint,
         probe,
         pairs,
+        structure_factor,
         displacements,
         profiles,
         energy,
         reference_velocity,
     } = output;
-    let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs), pair("output.report", report)];
+    let mut keys = vec![
+        pair("output.picture", picture),
+        pair("output.pairs", pairs),
+        pair("output.structure_factor", structure_factor),
+        pair("output.report", report),
+    ];
     keys.extend(plane.as_ref().map(|plane| word("output.plane", word_of(&PLANES, plane))));
     keys.extend(plane_at.map(|place| number("output.plane_at", place)));
     keys.extend(every.map(|every| number("output.every", every)));

@@ -12,7 +12,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 15] = [
+pub(in crate::scene) const KEYS: [Key; 16] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -65,6 +65,8 @@ pub(in crate::scene) const KEYS: [Key; 15] = [
         measured.",
     )
     .default("false"),
+    Key::new("structure_factor", "true or false", "true", "Whether the structure factor of the places of bodies is measured, along periodic axes.")
+        .default("false"),
     Key::new(
         "displacements",
         "true or false",
@@ -129,6 +131,8 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Whether the structure factor is.
+    pub structure_factor: bool,
     /// Whether displacements are.
     pub displacements: bool,
     /// Axes across which profiles are measured, each once.
@@ -168,6 +172,7 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            structure_factor: false,
             displacements: false,
             profiles: Vec::new(),
             energy: false,
@@ -201,6 +206,9 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            structure_factor: table
+                .get("structure_factor")
+                .map_or(Ok(default.structure_factor), |entry| read_structure_factor(&entry, model))?,
             displacements: table.get("displacements").map_or(Ok(default.displacements), |entry| entry.flag())?,
             profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             energy: table.get("energy").map_or(Ok(default.energy), |entry| entry.flag())?,
@@ -298,4 +306,10 @@ fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
     let pairs = entry.flag()?;
     let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no pair distribution; remove it";
     entry.expect(pairs, !pairs || model != FlowModel::Scalar, remedy)
+}
+
+fn read_structure_factor(entry: &Entry, model: FlowModel) -> Result<bool> {
+    let measured = entry.flag()?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no structure factor; remove it";
+    entry.expect(measured, !measured || model != FlowModel::Scalar, remedy)
 }
