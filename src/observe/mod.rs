@@ -1,5 +1,6 @@
 //! What is read off a solution: functions of a view, which change nothing.
 
+mod autocorrelation;
 mod body;
 mod bonded;
 mod cells;
@@ -9,8 +10,10 @@ mod drag;
 mod energy;
 mod faces;
 mod film;
+mod ideal_gas;
 mod inertia;
 mod network;
+mod pair_map;
 mod pairs;
 mod parts;
 mod picture;
@@ -29,6 +32,7 @@ mod viscosity;
 mod vorticity;
 mod wave_vectors;
 
+pub use autocorrelation::{Autocorrelation, CorrelationTime, Correlations};
 pub use body::FrameBody;
 pub use bonded::chains::ChainNumbers;
 pub use bonded::clusters::mean_orientation;
@@ -41,7 +45,8 @@ pub use energy::EnergyRates;
 pub use film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
 pub use inertia::InertialNumbers;
 pub use network::{ForceLine, force_lines};
-pub use pairs::{NEAR, PairCounts, PairDistribution};
+pub use pair_map::PairMap;
+pub use pairs::{NEAR, PairCounts, PairDistribution, PartialDistribution};
 pub use parts::{Part, Parts};
 pub use picture::picture;
 pub use plane::{Bond, Disk, Picture};

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod answer;
+mod autocorrelation;
 mod body_summary;
 mod clock;
 mod curve;
@@ -31,6 +32,7 @@ mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use answer::{Answer, answers, bar, vector};
+pub use autocorrelation::{AutocorrelationSummary, autocorrelation_files};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use clock::{date, duration};
 pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
@@ -48,7 +50,7 @@ pub use frames::{
 };
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
 pub use oscillation::{Modulus, OscillationSummary};
-pub use pairs::{PairSummary, pair_files};
+pub use pairs::{PAIR_FILES, PairSummary, pair_files};
 pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};
 pub use quantities::{QuantitySummary, SteadyMean};

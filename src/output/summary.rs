@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    AccuracySummary, DisplacementSummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary, PairSummary, ParallelSummary,
-    QuantitySummary, ScalarSummary, Spread, StructureFactorSummary, TooShort, VelocitySummary,
+    AccuracySummary, AutocorrelationSummary, DisplacementSummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary,
+    PairSummary, ParallelSummary, QuantitySummary, ScalarSummary, Spread, StructureFactorSummary, TooShort, VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
 };
 use crate::{
@@ -70,6 +70,8 @@ pub struct Summary {
     pub structure_factor: Option<StructureFactorSummary>,
     /// How far they go besides what carries all of them along, if the scene asks for it.
     pub displacements: Option<DisplacementSummary>,
+    /// How long they keep their velocities besides those of the shear, if the scene asks for it.
+    pub velocity_autocorrelation: Option<AutocorrelationSummary>,
     /// What the last solve of the flow cost.
     pub solver: Option<SolverSummary>,
     /// The run as a whole, if it was one in time.
@@ -347,6 +349,7 @@ impl Summary {
             pairs: None,
             structure_factor: None,
             displacements: None,
+            velocity_autocorrelation: None,
             solver: None,
             motion: None,
             ranks,

@@ -1,5 +1,6 @@
 //! The outputs of a run, one a file.
 
+mod autocorrelation;
 mod cell;
 mod charts;
 mod checkpoint;
@@ -77,7 +78,21 @@ pub fn outputs<const D: usize>(
     }
     let displacements =
         scene.output.displacements.then(|| Box::new(displacements::DisplacementFiles { folder: path() }) as Box<dyn Output<D>>);
-    all.extend(picture.into_iter().chain(pairs).chain(structure_factor).chain(displacements).chain(profiles).chain([log]).chain(report));
+    let autocorrelation = scene
+        .output
+        .velocity_autocorrelation
+        .then(|| Box::new(autocorrelation::AutocorrelationFiles { folder: path() }) as Box<dyn Output<D>>);
+    all.extend(
+        picture
+            .into_iter()
+            .chain(pairs)
+            .chain(structure_factor)
+            .chain(displacements)
+            .chain(autocorrelation)
+            .chain(profiles)
+            .chain([log])
+            .chain(report),
+    );
     Ok((all, points))
 }
 

@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     geometry::{Ball, Domain},
     observe::{FrameBody, PairCounts, PairDistribution, Shear},
-    output::{MeanViscosity, PairSummary, Summary, pair_files},
+    output::{MeanViscosity, PAIR_FILES, PairSummary, Summary, pair_files},
     parallel::World,
     run::{Output, View},
 };
@@ -47,7 +47,7 @@ impl<const D: usize> Output<D> for PairFiles {
         if view.world.max(f64::from(distribution.is_some())) == 0.0 {
             return Ok(Vec::new());
         }
-        let nothing = || ["pairs.csv", "pairs.json", "pairs.svg"].map(|name| (name, Vec::new()));
+        let nothing = || PAIR_FILES.map(|name| (name, Vec::new()));
         let files = distribution.as_ref().map_or_else(nothing, |(found, _)| pair_files(view.scene.shown_title(), found));
         summary.pairs = distribution.map(|(found, from_time)| PairSummary {
             coordination: found.coordination,

@@ -12,7 +12,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 16] = [
+pub(in crate::scene) const KEYS: [Key; 17] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -76,6 +76,14 @@ pub(in crate::scene) const KEYS: [Key; 16] = [
     .default("false")
     .needs("time.end = 1.0"),
     Key::new(
+        "velocity_autocorrelation",
+        "true or false",
+        "true",
+        "Whether the autocorrelation of the velocities of the free bodies is measured, less those of the shear and their mean.",
+    )
+    .default("false")
+    .needs("time.end = 1.0"),
+    Key::new(
         "profiles",
         "\"x\", \"y\", \"z\", or a list of them",
         "\"y\"",
@@ -135,6 +143,8 @@ pub struct OutputSection {
     pub structure_factor: bool,
     /// Whether displacements are.
     pub displacements: bool,
+    /// Whether the autocorrelation of velocities is.
+    pub velocity_autocorrelation: bool,
     /// Axes across which profiles are measured, each once.
     pub profiles: Vec<usize>,
     /// Whether the balance of energy is written, which a flow with inertia has.
@@ -174,6 +184,7 @@ impl Default for OutputSection {
             pairs: false,
             structure_factor: false,
             displacements: false,
+            velocity_autocorrelation: false,
             profiles: Vec::new(),
             energy: false,
             reference_velocity: None,
@@ -210,6 +221,9 @@ impl OutputSection {
                 .get("structure_factor")
                 .map_or(Ok(default.structure_factor), |entry| read_structure_factor(&entry, model))?,
             displacements: table.get("displacements").map_or(Ok(default.displacements), |entry| entry.flag())?,
+            velocity_autocorrelation: table
+                .get("velocity_autocorrelation")
+                .map_or(Ok(default.velocity_autocorrelation), |entry| entry.flag())?,
             profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             energy: table.get("energy").map_or(Ok(default.energy), |entry| entry.flag())?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
@@ -221,7 +235,7 @@ fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
     if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
     }
-    if let Some(entry) = table.get("displacements") {
+    if let Some(entry) = ["displacements", "velocity_autocorrelation"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve moves no body; add [time] or remove it"));
     }
     match table.get("fields").filter(|_| model == FlowModel::Scalar) {
