@@ -62,8 +62,10 @@ class PairDistribution:
         """What the program has written into ``pairs.json``."""
         radial = np.array(found["radial"], dtype=float).reshape(-1, 2)
         angular = np.array(found["angular"], dtype=float).reshape(-1, 2)
-        partial = {(two["radii"][0], two["radii"][1]): _radial(*np.array(two["radial"], dtype=float).reshape(-1, 2).T) for two in found["partial"]}
-        return PairDistribution(_radial(*radial.T), _angular(*angular.T), found["coordination"], found["configurations"], partial, _map(found["map"]))
+        of_two = [(tuple(two["radii"]), np.array(two["radial"], dtype=float).reshape(-1, 2)) for two in found.get("partial", [])]
+        partial = {(radii[0], radii[1]): _radial(*rows.T) for radii, rows in of_two}
+        in_plane = _map(found["map"]) if "map" in found else None
+        return PairDistribution(_radial(*radial.T), _angular(*angular.T), found["coordination"], found["configurations"], partial, in_plane)
 
 
 def _map(found: dict[str, Any]) -> pd.DataFrame:
