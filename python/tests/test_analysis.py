@@ -80,13 +80,17 @@ def test_the_velocity_autocorrelation_is_that_of_the_frames(walls):
 
 
 def test_the_map_and_the_pairs_of_two_sizes_add_up(walls, spheres):
-    # two rings of the radial distribution make one of the map, in two dimensions
-    radial = walls.pairs.radial["distribution"]
-    for separation, row in walls.pairs.map.iterrows():
-        inner, outer = (radial.iloc[(radial.index - separation + side * 0.0125).to_series().abs().argmin()] for side in (1, -1))
-        mean = ((separation - 0.0125) * inner + (separation + 0.0125) * outer) / (2 * separation)
-        # between walls directions weigh differently, by a part
-        assert row.mean() == pytest.approx(mean, rel=0.25, abs=0.05)
+    # two rings of the radial distribution have the pairs of one of the map, in two dimensions; those of an ideal gas between walls, of disks of radius 1
+    def ideal(inner, outer, start, end):
+        rows, squares = (outer**2 - inner**2) / 2, (outer**3 - inner**3) / 3
+        return (rows * (end - start) - squares * (np.cos(start) - np.cos(end)) / 6.0) / (16.0 * 6.0)
+
+    radial, turn = walls.pairs.radial["distribution"], np.pi / 18
+    for ring, (separation, row) in enumerate(walls.pairs.map.iterrows()):
+        inner, outer = 2 * separation - 0.05, 2 * separation + 0.05
+        of_map = sum(value * ideal(inner, outer, place * turn, (place + 1) * turn) for place, value in enumerate(row))
+        of_radial = sum(radial.iloc[2 * ring + half] * ideal(inner + 0.05 * half, inner + 0.05 * (half + 1), 0.0, np.pi) for half in (0, 1))
+        assert of_map == pytest.approx(of_radial, rel=1e-4)
     assert walls.pairs.partial == {}
     assert list(spheres.pairs.partial) == [(0.5, 0.5), (0.5, 0.7), (0.7, 0.7)]
 

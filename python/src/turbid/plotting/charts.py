@@ -96,7 +96,7 @@ def pair_map_chart(found: PairDistribution) -> Axes:
 
 def structure_factor_chart(table: pd.DataFrame, axes: Axes | None) -> Axes:
     """The structure factor over the wave number."""
-    axes = axes_of(axes)
+    axes, table = axes_of(axes), table.astype(float)
     axes.errorbar(table["wave_number"], table["structure_factor"], yerr=table["half_width"].fillna(0.0), color=COLOURS[0], linewidth=1.4, elinewidth=0.8)
     axes.axhline(1.0, color="0.4", linewidth=0.8, linestyle="--")
     axes.set(xlabel="wave number k [1 / unit of length]", ylabel="structure factor S(k)", ylim=(0, None))
@@ -105,7 +105,7 @@ def structure_factor_chart(table: pd.DataFrame, axes: Axes | None) -> Axes:
 
 def autocorrelation_chart(table: pd.DataFrame, axes: Axes | None) -> Axes:
     """The velocity autocorrelation over the lag."""
-    axes = axes_of(axes)
+    axes, table = axes_of(axes), table.astype(float)
     for axis, colour in zip("xyz", COLOURS):
         if (name := f"autocorrelation_{axis}") in table:
             axes.plot(table["lag"], table[name] / table[name].iloc[0], color=colour, label=f"along {axis}")
