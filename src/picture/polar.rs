@@ -1,6 +1,9 @@
 //! A map over distance and direction as one SVG text: rings and sectors in colours, of half a turn and the opposite one alike.
 
-use std::{f64::consts::PI, fmt::Write};
+use std::{
+    f64::consts::{FRAC_1_SQRT_2, PI},
+    fmt::Write,
+};
 
 use super::{INK, bar::Bar, escaped};
 
@@ -91,8 +94,8 @@ impl PolarMap {
                 svg,
                 "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius:.2}\" fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.45\" stroke-width=\"0.8\"/>\n\
                  <text x=\"{:.1}\" y=\"{:.1}\" font-size=\"11\">{whole}</text>",
-                x + 0.7071 * radius + 3.0,
-                y + 0.7071 * radius + 10.0
+                x + FRAC_1_SQRT_2 * radius + 3.0,
+                y + FRAC_1_SQRT_2 * radius + 10.0
             )
             .expect("memory can be written");
         }
