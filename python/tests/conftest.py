@@ -24,7 +24,7 @@ WALLS: dict[str, Any] = {
     "bodies": [{"radius": 1.0, "fraction": 0.3, "gap": 0.1}],
     "contact": {"model": "inelastic"},
     "time": {"end": 0.3, "step": 0.02},
-    "output": {"every": 1e-3, "pairs": True, "displacements": True, "vorticity": True},
+    "output": {"every": 1e-3, "pairs": True, "displacements": True, "structure_factor": True, "velocity_autocorrelation": True, "vorticity": True},
 }
 
 SPHERES: dict[str, Any] = {
@@ -37,7 +37,7 @@ SPHERES: dict[str, Any] = {
     "bodies": [{"radius": 0.7, "count": 10}, {"radius": 0.5, "count": 8}],
     "contact": {"model": "inelastic"},
     "time": {"end": 0.5},
-    "output": {"every": 1e-3, "pairs": True},
+    "output": {"every": 1e-3, "pairs": True, "structure_factor": True, "velocity_autocorrelation": True},
 }
 
 CHAINS: dict[str, Any] = {

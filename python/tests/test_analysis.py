@@ -40,6 +40,61 @@ def test_displacements_are_those_of_the_frames(walls):
     np.testing.assert_allclose(first[["mean_square_x", "mean_square_y"]].astype(float), np.mean(squares, axis=0), rtol=1e-9)
 
 
+def test_the_structure_factor_is_that_of_the_frames(walls, spheres):
+    # between walls along x alone: shells of one wave vector
+    frames = walls.steady_frames()
+    for number in (1, 5):
+        wave = 2 * np.pi * number / 16.0
+        powers = [abs(np.exp(1j * wave * frame.centres[:, 0]).sum()) ** 2 / len(frame) for frame in frames]
+        row = walls.structure_factor.iloc[number - 1]
+        assert row["wave_number"] == pytest.approx(wave) and row["vectors"] == 1
+        assert row["structure_factor"] == pytest.approx(np.mean(powers))
+    # of a cube those of the sheared lattice of each frame, in shells half as thick as 2 pi over its length
+    thickness, shells = np.pi / 5.0, {}
+    for frame in spheres.steady_frames():
+        for periods in itertools.product(range(3), range(-4, 5), range(-2, 3)):
+            if next((number for number in periods if number), 0) <= 0:
+                continue
+            wave = 2 * np.pi * np.array(periods) / 5.0
+            wave[1] -= wave[0] * frame.box.offset / 5.0
+            shell = int(np.linalg.norm(wave) / thickness + 0.5)
+            shells.setdefault(shell, []).append(abs(np.exp(1j * frame.centres @ wave).sum()) ** 2 / len(frame))
+    found = spheres.structure_factor
+    numbers = (found["wave_number"] / thickness + 0.5).astype(int)
+    for shell in (2, 3):
+        assert found["structure_factor"][numbers == shell].item() == pytest.approx(np.mean(shells[shell]))
+    assert spheres.summary["structure_factor"]["configurations"] == len(spheres.steady_frames())
+
+
+def test_the_velocity_autocorrelation_is_that_of_the_frames(walls):
+    relative = []
+    for frame in walls.steady_frames():
+        velocities = frame.velocities[:, :2] - np.outer(frame.centres[:, 1], [1.0, 0.0])
+        relative.append(velocities - velocities.mean(axis=0))
+    first, second = walls.velocity_autocorrelation.iloc[0], walls.velocity_autocorrelation.iloc[1]
+    names = ["autocorrelation_x", "autocorrelation_y"]
+    np.testing.assert_allclose(first[names].astype(float), np.mean([(own**2).mean(axis=0) for own in relative], axis=0), rtol=1e-9)
+    products = [(one * two).mean(axis=0) for one, two in itertools.pairwise(relative)]
+    np.testing.assert_allclose(second[names].astype(float), np.mean(products, axis=0), rtol=1e-9)
+    assert first["lag"] == 0
+
+
+def test_the_map_and_the_pairs_of_two_sizes_add_up(walls, spheres):
+    # two rings of the radial distribution have the pairs of one of the map, in two dimensions; those of an ideal gas between walls, of disks of radius 1
+    def ideal(inner, outer, start, end):
+        rows, squares = (outer**2 - inner**2) / 2, (outer**3 - inner**3) / 3
+        return (rows * (end - start) - squares * (np.cos(start) - np.cos(end)) / 6.0) / (16.0 * 6.0)
+
+    radial, turn = walls.pairs.radial["distribution"], np.pi / 18
+    for ring, (separation, row) in enumerate(walls.pairs.map.iterrows()):
+        inner, outer = 2 * separation - 0.05, 2 * separation + 0.05
+        of_map = sum(value * ideal(inner, outer, place * turn, (place + 1) * turn) for place, value in enumerate(row))
+        of_radial = sum(radial.iloc[2 * ring + half] * ideal(inner + 0.05 * half, inner + 0.05 * (half + 1), 0.0, np.pi) for half in (0, 1))
+        assert of_map == pytest.approx(of_radial, rel=1e-4)
+    assert walls.pairs.partial == {}
+    assert list(spheres.pairs.partial) == [(0.5, 0.5), (0.5, 0.7), (0.7, 0.7)]
+
+
 @pytest.mark.parametrize("domain", [{"y": {"lower": [3.0, 0.0], "upper": [0.0, 0.0]}}, {"x": {"lower": [0.0, -2.0], "upper": [0.0, 2.0]}}])
 def test_directions_are_those_of_the_shear(domain, tmp_path):
     scene = {

@@ -23,6 +23,12 @@ def test_charts_are_labelled_and_hold_the_data(walls):
     axes = walls.plot.pair_distribution()
     np.testing.assert_allclose(axes.patches[0].get_data().values, walls.pairs.radial["distribution"])
     assert walls.plot.directions().get_xlabel().startswith("direction")
+    axes = walls.plot.structure_factor()
+    np.testing.assert_allclose(axes.lines[0].get_xydata()[:, 1], walls.structure_factor["structure_factor"])
+    axes = walls.plot.velocity_autocorrelation()
+    assert axes.lines[0].get_xydata()[0, 1] == 1 and [text.get_text() for text in axes.get_legend().get_texts()] == ["along x", "along y"]
+    drawn = walls.plot.pair_map().collections[0]
+    assert drawn.get_array().size == 2 * walls.pairs.map.size
     with pytest.raises(turbid.Missing, match="no column bogus"):
         walls.plot.series("bogus")
 

@@ -20,6 +20,15 @@ pub enum Drive<const D: usize> {
 }
 
 impl<const D: usize> Drive<D> {
+    /// The same with its gradient or its force times a factor; the others have none.
+    pub fn scaled(&self, factor: f64) -> Drive<D> {
+        match self {
+            Drive::PressureGradient(gradient) => Drive::PressureGradient(gradient * factor),
+            Drive::BodyForce(force) => Drive::BodyForce(force * factor),
+            _ => *self,
+        }
+    }
+
     /// The velocity of the background at a point: what is known of the flow before solving.
     pub fn background(&self, point: &SVector<f64, D>) -> SVector<f64, D> {
         let mut velocity = SVector::zeros();

@@ -10,7 +10,7 @@ use crate::{
     constraint::{FlowMethod, Precision, method_of, method_with_inertia},
     error::Result,
     flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
-    geometry::Domain,
+    geometry::{Domain, Protocol},
     grid::Grid,
     interaction::{Interaction, Interactions},
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
@@ -53,8 +53,10 @@ pub struct Setup<const D: usize> {
     pub spacing: f64,
     /// Viscosity of the fluid.
     pub viscosity: f64,
-    /// What drives the flow.
+    /// What drives the flow now.
     pub drive: Drive<D>,
+    /// A drive that changes with time, and what it is multiplied by: the rate of this protocol.
+    pub changing_drive: Option<(Drive<D>, Protocol)>,
     /// The bodies.
     pub bodies: Vec<SuspendedBody<D>>,
     /// How those move whose given motion changes with time.
@@ -85,9 +87,22 @@ impl<const D: usize> Setup<D> {
         }
     }
 
-    /// Turns motions that are given to those of a time.
+    /// Turns motions that are given, and a drive that changes, to those of a time.
     pub fn prescribe(&mut self, time: f64) {
+        if let Some((drive, factor)) = &self.changing_drive {
+            self.drive = drive.scaled(factor.rate(time));
+        }
         self.trajectories.twists(time).for_each(|(body, twist)| self.bodies[body].body.motion = Motion::Prescribed(twist));
+    }
+
+    /// The drive, at its strongest where it changes with time.
+    pub fn strongest_drive(&self) -> Drive<D> {
+        self.changing_drive.as_ref().map_or(self.drive, |(drive, factor)| drive.scaled(factor.fastest()))
+    }
+
+    /// How the shear or the drive changes with time, if one of them does.
+    pub fn protocol(&self) -> Option<Protocol> {
+        self.domain.protocol().or_else(|| self.changing_drive.as_ref().map(|(_, factor)| *factor))
     }
 
     /// The motions of all bodies, the fastest of those that change with time.

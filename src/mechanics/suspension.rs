@@ -135,7 +135,9 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     fn prepare(&mut self, time: f64, again: bool) -> Result<()> {
         self.remembers = true;
         self.recent.forget_from(if again { time.next_up() } else { time });
-        self.fixed.setup.prescribe(time);
+        if self.fixed.prescribe(time, self.inverse.as_mut())? {
+            self.assembly = None;
+        }
         Ok(())
     }
 

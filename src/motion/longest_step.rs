@@ -10,13 +10,13 @@ const GRANULAR_STEP: f64 = 0.4;
 /// two-step rule is stable up to the rate `1 / step`; bodies that nearly touch resist several times as much.
 const FLOW_STEP: f64 = 0.2;
 
-/// Part of a cycle of an oscillating shear that a step takes at most, without inertia and with it: the second-order formula of a flow that goes on from earlier
+/// Part of a cycle of an oscillating shear or drive that a step takes at most, without inertia and with it: the second-order formula of a flow that goes on from earlier
 /// ones then shifts its phase by 0.2 degrees.
 const PARTS_OF_CYCLE: [f64; 2] = [1.0 / 40.0, 1.0 / 128.0];
 
-/// The longest step that follows the rate of the shear of a box; infinite where it does not change by itself.
+/// The longest step that follows the rate of the shear of a box, or what drives the flow; infinite where neither changes by itself.
 pub fn longest_step_of_protocol<const D: usize>(setup: &Setup<D>) -> f64 {
-    match setup.domain.protocol() {
+    match setup.protocol() {
         Some(Protocol::Oscillation { frequency, .. }) => PARTS_OF_CYCLE[usize::from(setup.inertia.is_some())] / frequency,
         _ => f64::INFINITY,
     }

@@ -83,7 +83,7 @@ impl<const D: usize> Simulation<D> {
         let shift_period = ShiftPeriod::of(&setup.domain, suspension.grid());
         let longest = longest_step_in_flow(setup).min(longest_step_of_protocol(setup));
         let step_control =
-            StepControl { time, shift_period, protocol: setup.domain.protocol(), longest, by_twos: suspension.evolution().is_some() };
+            StepControl { time, shift_period, protocol: setup.protocol(), longest, by_twos: suspension.evolution().is_some() };
         let at_rest = |suspended: &SuspendedBody<D>| (suspended.body.ball.center, Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();

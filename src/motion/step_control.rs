@@ -29,7 +29,7 @@ pub struct StepControl {
     pub time: TimeSection,
     /// What steps and the end are whole numbers of, where images slide.
     pub shift_period: Option<ShiftPeriod>,
-    /// When the rate of the shear jumps: steps end there.
+    /// When the rate of the shear, or what drives the flow, jumps: steps end there.
     pub protocol: Option<Protocol>,
     /// The longest step with which contact is stable; infinite if it limits none.
     pub longest: f64,

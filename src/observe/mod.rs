@@ -1,5 +1,6 @@
 //! What is read off a solution: functions of a view, which change nothing.
 
+mod autocorrelation;
 mod body;
 mod bonded;
 mod cells;
@@ -9,8 +10,10 @@ mod drag;
 mod energy;
 mod faces;
 mod film;
+mod ideal_gas;
 mod inertia;
 mod network;
+mod pair_map;
 mod pairs;
 mod parts;
 mod picture;
@@ -24,9 +27,12 @@ mod shear;
 mod species;
 pub mod statistics;
 mod stress;
+mod structure_factor;
 mod viscosity;
 mod vorticity;
+mod wave_vectors;
 
+pub use autocorrelation::{Autocorrelation, CorrelationTime, Correlations};
 pub use body::FrameBody;
 pub use bonded::chains::ChainNumbers;
 pub use bonded::clusters::mean_orientation;
@@ -39,7 +45,8 @@ pub use energy::EnergyRates;
 pub use film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
 pub use inertia::InertialNumbers;
 pub use network::{ForceLine, force_lines};
-pub use pairs::{NEAR, PairCounts, PairDistribution};
+pub use pair_map::PairMap;
+pub use pairs::{NEAR, PairCounts, PairDistribution, PartialDistribution};
 pub use parts::{Part, Parts};
 pub use picture::picture;
 pub use plane::{Bond, Disk, Picture};
@@ -51,5 +58,6 @@ pub use scale::SpeedScale;
 pub use shear::Shear;
 pub use species::{species, species_of};
 pub use stress::{NormalStresses, Stress};
+pub use structure_factor::{ShellMean, StructureFactor};
 pub use viscosity::{Viscosity, viscosity, why_no_viscosity};
 pub use vorticity::{CellVorticity, vorticity_at};

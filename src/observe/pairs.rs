@@ -1,15 +1,19 @@
 //! How bodies lie to each other: pair distribution, its dependence on direction at contact, coordination number.
 //!
 //! Pairs are counted by their separation over the sum of the radii, each periodic image for itself, and compared with those of an ideal gas
-//! of points in the same box: uniform where centres can be, which is up to a mean radius from walls. A pair of such points is `r n` apart
-//! with density `prod over walled axes (1 - r |n_k| / L_k) / (prod of all lengths)`, with `L_k` the length that centres can reach, so walls
-//! alone do not make the distribution differ from 1. Where images slide, each configuration has those of its own time. Pairs of a body and a wall, or of a body and its own image, are not counted.
+//! of points in the same box, so walls alone do not make the distribution differ from 1. Bodies of a few sizes have distributions of each two of these too, whose
+//! mean, weighted by the pairs of the ideal gas, is that of all. Where images slide, each configuration has those of its own time. Pairs of a body and a wall, or of a body and its own image, are not counted.
 
 use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::Shear;
+use super::{
+    Shear,
+    ideal_gas::{Ideal, reachable},
+    pair_map::{PairMap, PlaneCounts},
+    species, species_of,
+};
 use crate::{
     geometry::{Ball, Domain, Pair, visit_near_pairs},
     parallel::World,
@@ -25,15 +29,39 @@ const FARTHEST: f64 = 4.0;
 /// Bins of the direction between neighbours over half a turn.
 const DIRECTIONS: usize = 18;
 
+/// Most species whose pairs are told apart.
+const MOST_SPECIES: usize = 3;
+
 /// Counts of pairs over configurations of the same bodies.
 pub struct PairCounts<'a, const D: usize> {
     domain: &'a Domain<D>,
     radii: &'a [f64],
     shear: Option<Shear<D>>,
     radial: Vec<usize>,
+    species: Option<Species>,
+    map: PlaneCounts<D>,
     directions: Vec<usize>,
     neighbours: usize,
     configurations: usize,
+}
+
+/// Pairs of bodies of several sizes, told apart.
+struct Species {
+    /// Radius and number of bodies of each, from the smallest on.
+    sizes: Vec<(f64, usize)>,
+    /// Of each body.
+    of: Vec<usize>,
+    /// Of each two species, the first one not the larger, the counts of bins of the separation.
+    counts: Vec<([usize; 2], Vec<usize>)>,
+}
+
+/// The pair distribution of bodies of two sizes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartialDistribution {
+    /// Their radii, the smaller one first.
+    pub radii: [f64; 2],
+    /// Middles of bins of the separation over the sum of the radii, and the density of such pairs over that of an ideal gas.
+    pub radial: Vec<(f64, f64)>,
 }
 
 /// Means over configurations.
@@ -45,6 +73,10 @@ pub struct PairDistribution {
     pub coordination: f64,
     /// Middles of bins of the separation over the sum of the radii, and the density of pairs over that of an ideal gas in the same box.
     pub radial: Vec<(f64, f64)>,
+    /// The same of each two sizes, where bodies have two or three.
+    pub partial: Vec<PartialDistribution>,
+    /// The same by direction in the plane of the shear.
+    pub map: PairMap,
     /// Middles of bins of the direction between neighbours, in degrees from the direction of the flow towards that of the gradient (from x
     /// to y without a shear), and their number over the mean of all bins; in three dimensions of the projection on that plane.
     pub angular: Vec<(f64, f64)>,
@@ -55,15 +87,16 @@ impl<'a, const D: usize> PairCounts<'a, D> {
     pub fn new(domain: &'a Domain<D>, radii: &'a [f64], shear: Option<Shear<D>>) -> Self {
         let bins = ((farthest(domain, radii) - 1.0) / WIDTH + 1e-9).max(0.0) as usize;
         let (radial, directions) = (vec![0; bins], vec![0; DIRECTIONS]);
-        PairCounts { domain, radii, shear, radial, directions, neighbours: 0, configurations: 0 }
+        let (species, map) = (Species::new(radii, bins), PlaneCounts::new(shear.as_ref(), WIDTH * bins as f64));
+        PairCounts { domain, radii, shear, radial, species, map, directions, neighbours: 0, configurations: 0 }
     }
 
-    /// Adds the configuration of a time, to which images have slid if they do; bodies in the order of the radii.
-    pub fn add(&mut self, time: f64, balls: &[Ball<D>]) {
+    /// Adds a configuration in the box as it is at its time, to which images have slid if they do; bodies in the order of the radii.
+    pub fn add(&mut self, domain: &Domain<D>, balls: &[Ball<D>]) {
         let largest = self.radii.iter().copied().fold(0.0, f64::max);
         let far = WIDTH * self.radial.len() as f64;
         let reach = 2.0 * largest * far.max(0.5 * NEAR);
-        visit_near_pairs(&self.domain.clone().at(time), balls, reach, |pair| self.count(&pair));
+        visit_near_pairs(domain, balls, reach, |pair| self.count(&pair));
         self.configurations += 1;
     }
 
@@ -72,9 +105,12 @@ impl<'a, const D: usize> PairCounts<'a, D> {
             return;
         }
         let sum = self.radii[pair.first] + self.radii[pair.second];
-        if let Some(count) = self.radial.get_mut((pair.gap.max(0.0) / sum / WIDTH) as usize) {
+        let bin = (pair.gap.max(0.0) / sum / WIDTH) as usize;
+        if let Some(count) = self.radial.get_mut(bin) {
             *count += 1;
+            self.species.iter_mut().for_each(|species| species.count([pair.first, pair.second], bin));
         }
+        self.map.count(&pair.separation, pair.gap.max(0.0) / sum);
         if pair.gap < 0.5 * NEAR * sum {
             self.neighbours += 1;
             let direction = self.direction(pair);
@@ -85,7 +121,9 @@ impl<'a, const D: usize> PairCounts<'a, D> {
     /// Adds up the configurations of all ranks. Collective.
     pub fn sum(&mut self, world: &World) {
         let single = [&mut self.neighbours, &mut self.configurations];
-        let counts: Vec<&mut usize> = self.radial.iter_mut().chain(&mut self.directions).chain(single).collect();
+        let of_species = self.species.iter_mut().flat_map(|species| &mut species.counts).flat_map(|(_, counts)| counts);
+        let counts: Vec<&mut usize> =
+            self.radial.iter_mut().chain(&mut self.directions).chain(single).chain(of_species).chain(self.map.all()).collect();
         // whole numbers, of which floating-point ones lose nothing
         let mut sums: Vec<f64> = counts.iter().map(|count| **count as f64).collect();
         world.sum(&mut sums);
@@ -97,11 +135,6 @@ impl<'a, const D: usize> PairCounts<'a, D> {
         if self.configurations == 0 || self.radii.len() < 2 {
             return None;
         }
-        let ideal = Ideal::new(self.domain, self.radii);
-        let density = |(bin, &count): (usize, &usize)| {
-            let (from, to) = (1.0 + WIDTH * bin as f64, 1.0 + WIDTH * (bin + 1) as f64);
-            (0.5 * (from + to), count as f64 / (self.configurations as f64 * ideal.pairs(from, to)))
-        };
         let mean = self.neighbours as f64 / DIRECTIONS as f64;
         let part = |(bin, &count): (usize, &usize)| {
             let degrees = 180.0 * (bin as f64 + 0.5) / DIRECTIONS as f64;
@@ -110,9 +143,33 @@ impl<'a, const D: usize> PairCounts<'a, D> {
         Some(PairDistribution {
             configurations: self.configurations,
             coordination: 2.0 * self.neighbours as f64 / (self.configurations * self.radii.len()) as f64,
-            radial: self.radial.iter().enumerate().map(density).collect(),
+            radial: self.densities(&Ideal::new(self.domain, self.radii), &self.radial),
+            partial: self.partial(),
+            map: self.map.distribution(self.domain, self.radii, self.configurations),
             angular: self.directions.iter().enumerate().map(part).collect(),
         })
+    }
+
+    /// Middles of bins, and counts over the pairs of an ideal gas.
+    fn densities(&self, ideal: &Ideal<D>, counts: &[usize]) -> Vec<(f64, f64)> {
+        let density = |(bin, &count): (usize, &usize)| {
+            let (from, to) = (1.0 + WIDTH * bin as f64, 1.0 + WIDTH * (bin + 1) as f64);
+            (0.5 * (from + to), count as f64 / (self.configurations as f64 * ideal.pairs(from, to)))
+        };
+        counts.iter().enumerate().map(density).collect()
+    }
+
+    fn partial(&self) -> Vec<PartialDistribution> {
+        let of_species = |species: &Species| {
+            let of_two = |(two, counts): &([usize; 2], Vec<usize>)| {
+                let (radii, pairs) = (two.map(|one| species.sizes[one].0), species.pairs(*two));
+                let ideal = Ideal::new(self.domain, self.radii).of_pairs(pairs, radii[0] + radii[1]);
+                // a single body of a size makes no pair with its like
+                (pairs > 0.0).then(|| PartialDistribution { radii, radial: self.densities(&ideal, counts) })
+            };
+            species.counts.iter().filter_map(of_two).collect()
+        };
+        self.species.as_ref().map_or(Vec::new(), of_species)
     }
 
     /// The bin of the direction of a pair, which has no sense.
@@ -126,76 +183,38 @@ impl<'a, const D: usize> PairCounts<'a, D> {
     }
 }
 
+impl Species {
+    /// Those of bodies with these radii; nothing where all are alike, or few are.
+    fn new(radii: &[f64], bins: usize) -> Option<Species> {
+        let of: Vec<usize> = species_of(radii).into_iter().flatten().collect();
+        let sizes: Vec<(f64, usize)> = species(radii)
+            .into_iter()
+            .enumerate()
+            .map(|(number, radius)| (radius, of.iter().filter(|own| **own == number).count()))
+            .collect();
+        let two = (0..sizes.len()).flat_map(|one| (one..sizes.len()).map(move |other| [one, other]));
+        let counts = two.map(|two| (two, vec![0; bins])).collect();
+        (2..=MOST_SPECIES).contains(&sizes.len()).then_some(Species { sizes, of, counts })
+    }
+
+    fn count(&mut self, bodies: [usize; 2], bin: usize) {
+        let mut own = bodies.map(|body| self.of[body]);
+        own.sort_unstable();
+        self.counts.iter_mut().filter(|(two, _)| *two == own).for_each(|(_, counts)| counts[bin] += 1);
+    }
+
+    /// How many pairs two species have.
+    fn pairs(&self, [one, other]: [usize; 2]) -> f64 {
+        let [first, second] = [one, other].map(|species| self.sizes[species].1 as f64);
+        if one == other { 0.5 * first * (first - 1.0) } else { first * second }
+    }
+}
+
 /// The farthest separation in sums of radii: half a period, and the room between walls, is the limit.
 fn farthest<const D: usize>(domain: &Domain<D>, radii: &[f64]) -> f64 {
     let largest = radii.iter().copied().fold(0.0, f64::max);
     let room = (0..D).map(|axis| if domain.periodic(axis) { 0.5 * domain.size[axis] } else { reachable(domain, radii, axis) });
     (room.fold(f64::INFINITY, f64::min) / (2.0 * largest)).min(FARTHEST)
-}
-
-/// The length along an axis that centres can reach.
-fn reachable<const D: usize>(domain: &Domain<D>, radii: &[f64], axis: usize) -> f64 {
-    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-    if domain.periodic(axis) { domain.size[axis] } else { domain.size[axis] - 2.0 * mean }
-}
-
-/// Pairs of an ideal gas: `sum over m of factors[m] sums[m] int s^(D - 1 + m) ds`.
-struct Ideal<const D: usize> {
-    /// For `m` walled axes: solid angle times mean of `prod -|n_k| / L_k`, over the room of centres.
-    factors: Vec<f64>,
-    /// For `m` walled axes: sum over all pairs of the power `D + m` of their sums of radii.
-    sums: Vec<f64>,
-}
-
-impl<const D: usize> Ideal<D> {
-    fn new(domain: &Domain<D>, radii: &[f64]) -> Self {
-        let room: f64 = (0..D).map(|axis| reachable(domain, radii, axis)).product();
-        let walled: Vec<f64> = (0..D).filter(|&axis| !domain.periodic(axis)).map(|axis| -1.0 / reachable(domain, radii, axis)).collect();
-        let mut products = vec![0.0; D + 1];
-        for subset in 0..1_u32 << walled.len() {
-            let chosen = walled.iter().enumerate().filter(|(axis, _)| subset >> axis & 1 == 1);
-            products[subset.count_ones() as usize] += chosen.map(|(_, factor)| factor).product::<f64>();
-        }
-        let factors = products.iter().enumerate().map(|(axes, product)| directions::<D>(axes) * product / room).collect();
-        Ideal { factors, sums: sums_of_powers::<D>(radii) }
-    }
-
-    /// Expected pairs between two separations in sums of radii.
-    fn pairs(&self, from: f64, to: f64) -> f64 {
-        let term = |(axes, (factor, sum)): (usize, (&f64, &f64))| {
-            let power = (D + axes) as i32;
-            factor * sum * (to.powi(power) - from.powi(power)) / f64::from(power)
-        };
-        self.factors.iter().zip(&self.sums).enumerate().map(term).sum()
-    }
-}
-
-/// Integral over all directions of the product of the sizes of so many components of the unit vector.
-fn directions<const D: usize>(axes: usize) -> f64 {
-    match (D, axes) {
-        (2, 0) => 2.0 * PI,
-        (2, 1) => 4.0,
-        (2, 2) => 2.0,
-        (_, 0) => 4.0 * PI,
-        (_, 1) => 2.0 * PI,
-        (_, 2) => 8.0 / 3.0,
-        _ => 1.0,
-    }
-}
-
-/// By the sums of powers of the radii: the binomial formula over all ordered pairs, less those of a body with itself.
-fn sums_of_powers<const D: usize>(radii: &[f64]) -> Vec<f64> {
-    let moments: Vec<f64> = (0..=2 * D as i32).map(|power| radii.iter().map(|radius| radius.powi(power)).sum()).collect();
-    let sum = |power: usize| {
-        let mut binomial = 1.0;
-        let mut ordered = 0.0;
-        for k in 0..=power {
-            ordered += binomial * moments[k] * moments[power - k];
-            binomial *= (power - k) as f64 / (k + 1) as f64;
-        }
-        0.5 * (ordered - 2_f64.powi(power as i32) * moments[power])
-    };
-    (0..=D).map(|axes| sum(D + axes)).collect()
 }
 
 #[cfg(test)]
@@ -224,7 +243,7 @@ mod tests {
                 margin + random.random::<f64>() * (size[axis] - 2.0 * margin)
             };
             let mut ball = |&radius: &f64| Ball { center: SVector::from_fn(|axis, _| place(axis)), radius };
-            counts.add(0.0, &radii.iter().map(&mut ball).collect::<Vec<_>>());
+            counts.add(&domain, &radii.iter().map(&mut ball).collect::<Vec<_>>());
         }
         counts.distribution().expect("there are pairs")
     }
@@ -252,16 +271,6 @@ mod tests {
     }
 
     #[test]
-    fn sums_over_pairs_are_those_of_all_pairs_one_by_one() {
-        let radii = [0.3, 0.7, 0.7, 1.1, 0.5];
-        let pairs = || (0..radii.len()).flat_map(|one| (0..one).map(move |two| radii[one] + radii[two]));
-        for (axes, sum) in sums_of_powers::<3>(&radii).into_iter().enumerate() {
-            let expected: f64 = pairs().map(|sum| sum.powi(3 + axes as i32)).sum();
-            assert!((sum / expected - 1.0).abs() < 1e-14, "{sum} instead of {expected}");
-        }
-    }
-
-    #[test]
     fn radii_may_differ() {
         let radii: Vec<f64> = (0..60).map(|body| if body % 3 == 0 { 0.6 } else { 0.3 }).collect();
         assert_ideal(&of_an_ideal_gas([12.0, 9.0], [false, false], &radii), 0.15);
@@ -276,7 +285,7 @@ mod tests {
         // separations of 0.7, of (2, 0.7), of (-1.8, 0.7) and, after whole lengths of the box, of 0.7 again
         for (time, separation) in [(0.0, 0.35), (0.25, 1.0595), (1.775, 0.9657), (4.0, 0.35)] {
             let mut counts = PairCounts::new(&domain, &[1.0; 2], None);
-            counts.add(time, &balls);
+            counts.add(&domain.clone().at(time), &balls);
             let bin = ((f64::max(separation, 1.0) - 1.0) / WIDTH) as usize;
             let found: Vec<usize> = counts.radial.iter().enumerate().filter(|(_, count)| **count > 0).map(|(bin, _)| bin).collect();
             assert_eq!(found, [bin], "at {time}");
@@ -291,11 +300,35 @@ mod tests {
         let balls: Vec<Ball<2>> =
             [[1.0, 1.0], [3.08, 1.0], [1.0, 3.08], [3.08, 3.08]].map(|center| Ball { center: Vector2::from(center), radius: 1.0 }).to_vec();
         let mut counts = PairCounts::new(&domain, &radii, None);
-        counts.add(0.0, &balls);
+        counts.add(&domain, &balls);
         let distribution = counts.distribution().expect("there are pairs");
         assert_eq!((distribution.configurations, distribution.coordination), (1, 4.0));
         let directions: Vec<f64> = distribution.angular.iter().filter(|(_, part)| *part > 0.0).map(|(degrees, _)| *degrees).collect();
         assert!(directions.iter().all(|degrees| [5.0, 85.0, 95.0, 175.0].contains(degrees)), "{directions:?}");
         assert_eq!(PairCounts::new(&domain, &radii, None).distribution(), None);
+    }
+
+    /// Disks of two sizes at random, and those of one that shun their like: the counts of each two add up to those of all.
+    #[test]
+    fn pairs_of_each_two_sizes_are_told_apart() {
+        let radii: Vec<f64> = (0..60).map(|body| if body % 3 == 0 { 0.6 } else { 0.3 }).collect();
+        let found = of_an_ideal_gas([12.0, 9.0], [false, true], &radii);
+        assert_eq!(found.partial.iter().map(|two| two.radii).collect::<Vec<_>>(), [[0.3, 0.3], [0.3, 0.6], [0.6, 0.6]]);
+        for PartialDistribution { radial, .. } in &found.partial {
+            let mean = radial[1..].iter().map(|(_, density)| density).sum::<f64>() / (radial.len() - 1) as f64;
+            assert!((mean - 1.0).abs() < 0.04, "{mean}");
+        }
+        // weights of the ideal gas between two separations: of 780, 800 and 190 pairs
+        let domain = domain([12.0, 9.0], [false, true]);
+        for bin in 1..found.radial.len() {
+            let [from, to] = [0, 1].map(|end| 1.0 + WIDTH * (bin + end) as f64);
+            let weights = [(780.0, 0.6), (800.0, 0.9), (190.0, 1.2)]
+                .map(|(count, sum)| Ideal::new(&domain, &radii).of_pairs(count, sum).pairs(from, to));
+            let sum: f64 = found.partial.iter().zip(weights).map(|(two, weight)| weight * two.radial[bin].1).sum();
+            assert!((sum / weights.iter().sum::<f64>() - found.radial[bin].1).abs() < 1e-12);
+        }
+        assert!(of_an_ideal_gas([12.0, 9.0], [false, false], &[0.5; 60]).partial.is_empty());
+        let of_many_sizes: Vec<f64> = (0..60).map(|body| 0.3 + 0.005 * f64::from(body)).collect();
+        assert!(of_an_ideal_gas([12.0, 9.0], [false, false], &of_many_sizes).partial.is_empty());
     }
 }

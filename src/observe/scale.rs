@@ -82,7 +82,9 @@ fn driven_by_forces(scene: &Scene) -> f64 {
         weight.max(group.force.as_deref().map_or(0.0, length) / group.radius) / viscosity
     });
     let driven = match scene.flow.drive.as_ref() {
-        Some(Drive::PressureGradient(vector) | Drive::BodyForce(vector)) => length(vector) * longest * longest / viscosity,
+        Some(Drive::PressureGradient(vector) | Drive::BodyForce(vector)) => {
+            scene.flow.drive_factor.fastest() * length(vector) * longest * longest / viscosity
+        }
         _ => 0.0,
     };
     sinking.fold(driven, f64::max)

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod answer;
+mod autocorrelation;
 mod body_summary;
 mod clock;
 mod curve;
@@ -22,6 +23,7 @@ mod say;
 mod scalar;
 mod spread;
 mod stages;
+mod structure_factor;
 mod summary;
 mod too_short;
 mod traces;
@@ -30,6 +32,7 @@ mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
 pub use answer::{Answer, answers, bar, vector};
+pub use autocorrelation::{AutocorrelationSummary, autocorrelation_files};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use clock::{date, duration};
 pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
@@ -47,7 +50,7 @@ pub use frames::{
 };
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
 pub use oscillation::{Modulus, OscillationSummary};
-pub use pairs::{PairSummary, pair_files};
+pub use pairs::{PAIR_FILES, PairSummary, pair_files};
 pub use profiles::ProfileFrames;
 pub use progress::{Progress, TimeProgress};
 pub use quantities::{QuantitySummary, SteadyMean};
@@ -57,6 +60,7 @@ pub use say::{note, say};
 pub use scalar::{InclusionSummary, ScalarSummary};
 pub use spread::{ParallelSummary, Spread};
 pub use stages::stage_table;
+pub use structure_factor::{ShellSummary, StructureFactorSummary, structure_factor_files};
 pub use summary::{ContactSummary, EnergySummary, FrictionSummary, GlueSummary, InertiaSummary, MotionSummary, Summary};
 pub use too_short::TooShort;
 pub use traces::{CHECKPOINT, KNOWN_FILES, LOG, REPORT, SUMMARY, Traces};

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    AccuracySummary, DisplacementSummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary, PairSummary, ParallelSummary,
-    QuantitySummary, ScalarSummary, Spread, TooShort, VelocitySummary,
+    AccuracySummary, AutocorrelationSummary, DisplacementSummary, DragSummary, ForceSummary, MeanViscosity, OscillationSummary,
+    PairSummary, ParallelSummary, QuantitySummary, ScalarSummary, Spread, StructureFactorSummary, TooShort, VelocitySummary,
     body_summary::{BodySummary, ListedBodies, MOST_LISTED, OtherBodies},
 };
 use crate::{
@@ -66,8 +66,12 @@ pub struct Summary {
     pub contact: Option<ContactSummary>,
     /// How bodies lie to each other, if the scene asks for it.
     pub pairs: Option<PairSummary>,
+    /// How far from random their places are at each length, if the scene asks for it.
+    pub structure_factor: Option<StructureFactorSummary>,
     /// How far they go besides what carries all of them along, if the scene asks for it.
     pub displacements: Option<DisplacementSummary>,
+    /// How long they keep their velocities besides those of the shear, if the scene asks for it.
+    pub velocity_autocorrelation: Option<AutocorrelationSummary>,
     /// What the last solve of the flow cost.
     pub solver: Option<SolverSummary>,
     /// The run as a whole, if it was one in time.
@@ -343,7 +347,9 @@ impl Summary {
             lubrication: None,
             contact: None,
             pairs: None,
+            structure_factor: None,
             displacements: None,
+            velocity_autocorrelation: None,
             solver: None,
             motion: None,
             ranks,

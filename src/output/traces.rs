@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 35] = [
+const FILES: [&str; 40] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -44,8 +44,13 @@ const FILES: [&str; 35] = [
     "pairs.csv",
     "pairs.json",
     "pairs.svg",
+    "structure-factor.csv",
+    "structure-factor.svg",
     "displacements.csv",
     "displacements.svg",
+    "velocity-autocorrelation.csv",
+    "velocity-autocorrelation.svg",
+    "pairs-map.svg",
     "profiles.csv",
     "profiles.svg",
     "profile-frames.csv",
@@ -59,7 +64,7 @@ const FILES: [&str; 35] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 29] = [
+pub const KNOWN_FILES: [(&str, &str); 34] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
@@ -72,10 +77,15 @@ pub const KNOWN_FILES: [(&str, &str); 29] = [
     ("stress.svg", "the shear stress over the strain, of a shear that changes"),
     ("effort.svg", "what the steps cost"),
     ("pairs.svg", "the pair distribution"),
+    ("pairs-map.svg", "the pair distribution in the plane of the shear"),
     ("pairs.csv", "the pair distribution as numbers"),
     ("pairs.json", "the pair distribution with its angles"),
+    ("structure-factor.svg", "the structure factor"),
+    ("structure-factor.csv", "the structure factor as numbers"),
     ("displacements.svg", "mean-square displacements over the lag"),
     ("displacements.csv", "mean-square displacements as numbers"),
+    ("velocity-autocorrelation.svg", "the velocity autocorrelation over the lag"),
+    ("velocity-autocorrelation.csv", "the velocity autocorrelation as numbers"),
     ("profiles.svg", "profiles across the box"),
     ("profiles.csv", "profiles across the box as numbers"),
     ("view.html", "a page that plays the frames"),

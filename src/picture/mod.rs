@@ -12,6 +12,7 @@ mod chart;
 pub mod colour;
 mod frame;
 mod images;
+mod polar;
 mod raster;
 mod streamlines;
 mod svg;
@@ -21,6 +22,7 @@ pub use animation::AnimationFormat;
 pub use chart::{Band, Bar, Chart, Level, Mark, Notes, Scale, Series};
 pub use frame::INK;
 use images::Window;
+pub use polar::PolarMap;
 pub use raster::base64;
 pub use svg::escaped;
 

@@ -47,7 +47,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
         ),
         Effect::on("pressure", "one unknown for each cell".into()),
         Effect { name: "rotation", built: spins },
-        Effect::on("drive", shear(&setup.domain).unwrap_or_else(|| drive(&setup.drive)) + &sliding(setup, grid)),
+        Effect::on("drive", shear(&setup.domain).unwrap_or_else(|| changing_drive(setup)) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
             count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method(0.0).description())),
@@ -80,6 +80,25 @@ pub fn drive<const D: usize>(drive: &Drive<D>) -> String {
     }
 }
 
+/// What drives a flow, with how it changes.
+fn changing_drive<const D: usize>(setup: &Setup<D>) -> String {
+    let Some((strongest, factor)) = &setup.changing_drive else { return drive(&setup.drive) };
+    let how = match factor {
+        Protocol::Oscillation { frequency, .. } => format!("{} cos(2 pi {frequency} time)", factor.fastest()),
+        Protocol::Steps { steps, factor } => steps_in_words(steps, *factor),
+        Protocol::Steady(factor) | Protocol::Stress { rate: factor, .. } => factor.to_string(),
+    };
+    format!("{} times {how}", drive(strongest))
+}
+
+fn steps_in_words(steps: &[RateStep], factor: f64) -> String {
+    let step = |step: &RateStep| {
+        let until = if step.until.is_finite() { format!(" until {:.6}", step.until) } else { String::new() };
+        format!("{}{until}", factor * step.rate)
+    };
+    steps.iter().map(step).collect::<Vec<_>>().join(", ")
+}
+
 /// How a shear changes its rate, if it does.
 fn shear<const D: usize>(domain: &Domain<D>) -> Option<String> {
     Some(match domain.protocol()? {
@@ -88,13 +107,7 @@ fn shear<const D: usize>(domain: &Domain<D>) -> Option<String> {
             format!("shear that oscillates by a strain of {amplitude}, {frequency} cycles a time")
         }
         Protocol::Stress { stress, .. } => format!("shear at the rate at which its stress is {stress}"),
-        Protocol::Steps { steps, factor } => {
-            let step = |step: &RateStep| {
-                let until = if step.until.is_finite() { format!(" until {:.6}", step.until) } else { String::new() };
-                format!("{}{until}", factor * step.rate)
-            };
-            format!("shear at the rates {}", steps.iter().map(step).collect::<Vec<_>>().join(", "))
-        }
+        Protocol::Steps { steps, factor } => format!("shear at the rates {}", steps_in_words(steps, factor)),
     })
 }
 
@@ -123,6 +136,8 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     });
     let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and what contacts take, after every step".to_owned());
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
+    let structure_factor = scene.output.structure_factor.then(|| "along periodic axes, from the frames once the run has ended".to_owned());
+    let autocorrelation = scene.output.velocity_autocorrelation.then(|| "from the frames once the run has ended".to_owned());
     let displacements = scene.output.displacements.then(|| "mean squares, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
     let effect = |(name, built)| Effect { name, built };
@@ -132,7 +147,9 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         ("forces output", forces),
         ("balance of energy", energy),
         ("pair distribution", pairs),
+        ("structure factor", structure_factor),
         ("displacements", displacements),
+        ("velocity autocorrelation", autocorrelation),
         ("picture", picture),
     ];
     let motion = std::iter::once(effect(("motion in time", motion)));

@@ -101,7 +101,7 @@ fn walls<const D: usize>(setup: &Setup<D>) -> f64 {
 fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
     let between_walls = (0..D).filter(|&axis| !setup.domain.periodic(axis)).map(|axis| setup.domain.size[axis]);
     let width = between_walls.fold(radius, f64::max);
-    match setup.drive {
+    match setup.strongest_drive() {
         Drive::Rest => 0.0,
         Drive::MeanVelocity(velocity) => setup.viscosity * velocity.norm() / radius,
         Drive::PressureGradient(force) | Drive::BodyForce(force) => 0.5 * force.norm() * width,

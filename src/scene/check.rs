@@ -27,6 +27,8 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     accuracy::check(scene)?;
     check_until(scene)?;
     check_reference(scene)?;
+    check_structure_factor(scene)?;
+    check_followed(scene)?;
     energy::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
@@ -38,6 +40,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     if scene.flow.model == FlowModel::NavierStokes {
         check_inertia(scene)?;
     }
+    protocol::check_factor(scene)?;
     match &scene.flow.drive {
         Some(Drive::ShearRate(protocol)) => protocol::check_shear(scene, protocol),
         Some(Drive::ShearedBox(protocol)) => protocol::check_sheared_box(scene, protocol),
@@ -325,6 +328,22 @@ fn check_until(scene: &Scene) -> Result<()> {
     let known = scene.flow.model == FlowModel::Stokes && free && sheared(scene);
     let remedy = "is that of a sheared suspension of free bodies in Stokes flow; remove it, or let walls across one axis slide and others be periodic";
     expect(scene, known, "time.until.viscosity_interval", until.viscosity_interval, remedy)
+}
+
+/// Wave vectors are those of periodic axes.
+fn check_structure_factor(scene: &Scene) -> Result<()> {
+    let periodic = scene.domain.axes.iter().any(|axis| matches!(axis, AxisSection::Periodic));
+    let remedy = "takes waves along a periodic axis, and the box has none; set domain.x = \"periodic\" or remove it";
+    expect(scene, periodic || !scene.output.structure_factor, "output.structure_factor", "true", remedy)
+}
+
+/// Bodies are followed relative to a shear whose rate is known at every time.
+fn check_followed(scene: &Scene) -> Result<()> {
+    let by_stress =
+        matches!(&scene.flow.drive, Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) if protocol.stress().is_some());
+    let remedy = "is measured relative to a shear whose rate the scene gives, and flow.drive.shear_stress finds it; give flow.drive.shear_rate or remove it";
+    let asked = [("displacements", scene.output.displacements), ("velocity_autocorrelation", scene.output.velocity_autocorrelation)];
+    asked.into_iter().try_for_each(|(name, on)| expect(scene, !on || !by_stress, &format!("output.{name}"), "true", remedy))
 }
 
 /// Coefficients of drag and lift are forces on bodies whose motion is given, over time, over those of the stream's inertia.

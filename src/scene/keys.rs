@@ -136,7 +136,7 @@ fn of_domain(domain: &DomainSection) -> Keys {
 }
 
 fn of_flow(flow: &FlowSection) -> Keys {
-    let FlowSection { model, viscosity, density, drive, source } = flow;
+    let FlowSection { model, viscosity, density, drive, drive_factor, source } = flow;
     let mut keys = vec![word("flow.model", word_of(&FlowModel::WORDS, model))];
     match model {
         FlowModel::None => {}
@@ -153,7 +153,20 @@ fn of_flow(flow: &FlowSection) -> Keys {
         Drive::ShearRate(protocol) | Drive::ShearedBox(protocol) => of_protocol(protocol),
         Drive::MeanGradient(gradient) => vec![list("flow.drive.mean_gradient", gradient)],
     }));
+    keys.extend(of_factor(drive_factor));
     keys
+}
+
+/// What a drive is multiplied by, but for one.
+fn of_factor(factor: &Protocol) -> Keys {
+    let key = "flow.drive.factor";
+    match factor {
+        Protocol::Steady(factor) => (*factor != 1.0).then(|| number(key, *factor)).into_iter().collect(),
+        Protocol::Oscillation { frequency, .. } => {
+            vec![number(&format!("{key}.amplitude"), factor.fastest()), number(&format!("{key}.frequency"), *frequency)]
+        }
+        _ => of_steps(key, factor, "value"),
+    }
 }
 
 fn of_protocol(protocol: &Protocol) -> Keys {
@@ -164,12 +177,16 @@ fn of_protocol(protocol: &Protocol) -> Keys {
         Protocol::Oscillation { amplitude, frequency } => {
             vec![number(&format!("{key}.amplitude"), *amplitude), number(&format!("{key}.frequency"), *frequency)]
         }
-        Protocol::Steps { steps, factor } => {
-            let until = |step: &RateStep| if step.until.is_finite() { format!("until = {:?}, ", step.until) } else { String::new() };
-            let steps: Vec<String> = steps.iter().map(|step| format!("{{ {}rate = {:?} }}", until(step), factor * step.rate)).collect();
-            vec![pair(key, format!("[{}]", steps.join(", ")))]
-        }
+        Protocol::Steps { .. } => of_steps(key, protocol, "rate"),
     }
+}
+
+/// Steps of what a word names.
+fn of_steps(key: &str, protocol: &Protocol, name: &str) -> Keys {
+    let Protocol::Steps { steps, factor } = protocol else { return Vec::new() };
+    let until = |step: &RateStep| if step.until.is_finite() { format!("until = {:?}, ", step.until) } else { String::new() };
+    let steps: Vec<String> = steps.iter().map(|step| format!("{{ {}{name} = {:?} }}", until(step), factor * step.rate)).collect();
+    vec![pair(key, format!("[{}]", steps.join(", ")))]
 }
 
 fn of_resolution(resolution: &ResolutionSection) -> Keys {
@@ -348,18 +365,26 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         checkpoint,
         probe,
         pairs,
+        structure_factor,
         displacements,
+        velocity_autocorrelation,
         profiles,
         energy,
         reference_velocity,
     } = output;
-    let mut keys = vec![pair("output.picture", picture), pair("output.pairs", pairs), pair("output.report", report)];
+    let mut keys = vec![
+        pair("output.picture", picture),
+        pair("output.pairs", pairs),
+        pair("output.structure_factor", structure_factor),
+        pair("output.report", report),
+    ];
     keys.extend(plane.as_ref().map(|plane| word("output.plane", word_of(&PLANES, plane))));
     keys.extend(plane_at.map(|place| number("output.plane_at", place)));
     keys.extend(every.map(|every| number("output.every", every)));
     keys.extend(probe.map(|points| pair("output.probe", points)));
     if in_time {
         keys.push(pair("output.displacements", displacements));
+        keys.push(pair("output.velocity_autocorrelation", velocity_autocorrelation));
         keys.push(number("output.checkpoint", *checkpoint));
     }
     keys.extend(fields.filter(|_| model.fluid()).map(|fields| pair("output.fields", fields)));

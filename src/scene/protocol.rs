@@ -59,6 +59,28 @@ fn check_stress(scene: &Scene, protocol: &Protocol) -> Result<()> {
     refused(!middle, "is not known at middles of steps; remove time.scheme")
 }
 
+/// Refuses a pressure gradient or a body force that cannot change with time.
+pub(super) fn check_factor(scene: &Scene) -> Result<()> {
+    let factor = &scene.flow.drive_factor;
+    if factor.steady() {
+        return Ok(());
+    }
+    let (key, value) = ("flow.drive.factor", shown_factor(factor));
+    expect(scene, scene.time.is_some(), key, &value, "changes with time; add [time] end = .., or give one number")?;
+    let remedy = "solves for a drive that stays; set method.constraint = \"sharp\" or give flow.drive.factor one number";
+    expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
+    let remedy = "is met in flows whose drive stays; give [resolution] instead, or flow.drive.factor one number";
+    expect(scene, scene.accuracy.is_none(), "accuracy", scene.accuracy.unwrap_or_default(), remedy)
+}
+
+/// A factor as a scene file has it.
+fn shown_factor(factor: &Protocol) -> String {
+    match factor {
+        Protocol::Oscillation { frequency, .. } => format!("{{ amplitude = {}, frequency = {frequency} }}", factor.fastest()),
+        _ => shown(factor),
+    }
+}
+
 /// Walls across y alone that have no velocity of their own can shear what is between them.
 fn check_walls(scene: &Scene, protocol: &Protocol) -> Result<()> {
     let other = walled(scene).find(|&axis| axis != 1 || matches!(scene.domain.axes[axis], AxisSection::Open { .. }));

@@ -4,8 +4,8 @@ use crate::scene::file;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS};
 use crate::scene::key::Key;
 use crate::scene::sections::{
-    AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FLOW_KEYS, FRICTION_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS,
-    OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS, TIME_KEYS, UNTIL_KEYS,
+    AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, FLOW_KEYS, FRICTION_KEYS,
+    LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS, TIME_KEYS, UNTIL_KEYS,
 };
 
 /// A table of a scene file and the keys that it may have.
@@ -22,7 +22,7 @@ pub struct KeySection {
 }
 
 /// All sections, in the order of a scene file.
-pub const SECTIONS: [KeySection; 21] = [
+pub const SECTIONS: [KeySection; 23] = [
     KeySection { name: "top", written: "the top of the file", about: "What stands before the first section.", keys: &file::KEYS },
     KeySection { name: "domain", written: "[domain]", about: "The box and what bounds it.", keys: &DOMAIN_KEYS },
     KeySection {
@@ -44,6 +44,18 @@ pub const SECTIONS: [KeySection; 21] = [
         written: "shear_rate = [{ .. }, ..] of drive",
         about: "A step of a shear whose rate jumps.",
         keys: &STEP_KEYS,
+    },
+    KeySection {
+        name: "flow.drive.factor",
+        written: "factor = { .. } of drive",
+        about: "A pressure gradient or a body force that oscillates.",
+        keys: &FACTOR_OSCILLATION_KEYS,
+    },
+    KeySection {
+        name: "flow.drive.factor.0",
+        written: "factor = [{ .. }, ..] of drive",
+        about: "A step of a pressure gradient or a body force that jumps.",
+        keys: &FACTOR_STEP_KEYS,
     },
     KeySection {
         name: "resolution",
@@ -102,6 +114,12 @@ mod tests {
             "time.until" => "[[bodies]]\nradius = 0.5\ncount = 2\n[time]\nend = 1.0",
             "flow.drive.shear_rate" => "flow.drive.shear_rate = { amplitude = 0.1, frequency = 1.0 }\n[[bodies]]\nradius = 0.5\ncount = 2",
             "flow.drive.shear_rate.0" => "flow.drive.shear_rate = [{ rate = 1.0 }]\n[[bodies]]\nradius = 0.5\ncount = 2",
+            "flow.drive.factor" => {
+                "flow.drive = { pressure_gradient = [-1.0, 0.0], factor = { amplitude = 1.0, frequency = 1.0 } }\n[[bodies]]\nradius = 0.5\ncount = 2"
+            }
+            "flow.drive.factor.0" => {
+                "flow.drive = { pressure_gradient = [-1.0, 0.0], factor = [{ value = 1.0 }] }\n[[bodies]]\nradius = 0.5\ncount = 2"
+            }
             _ => "[[bodies]]\nradius = 0.5\ncount = 2",
         };
         format!("{BASE}{group}")

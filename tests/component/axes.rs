@@ -28,6 +28,7 @@ fn forces(session: &Session, constraint: ConstraintMethod, names: [usize; 3]) ->
     };
     let sphere = |center: [f64; 3]| suspended(renamed(center), 1.0, fixed(), 3);
     let setup = Setup {
+        changing_drive: None,
         domain: Domain { size: renamed([6.0, 7.0, 8.0]), axes: [Axis::Periodic; 3] },
         spacing: 0.25,
         viscosity: 1.0,

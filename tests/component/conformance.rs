@@ -215,6 +215,7 @@ fn granular(session: &Session) -> Simulation<2> {
 pub fn setup(interactions: Interactions<2>) -> Setup<2> {
     let body = |ball: Ball<2>| suspended(ball.center, ball.radius, Motion::Free { force: Vector2::zeros(), torque: SMatrix::zeros() }, 3);
     Setup {
+        changing_drive: None,
         domain: domain(),
         spacing: 0.25,
         viscosity: 1.5,

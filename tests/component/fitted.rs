@@ -119,6 +119,7 @@ fn two_disks_in_periodic_shear_between_walls_and_sedimenting(session: &Session) 
 fn a_channel_driven_by_each_drive(session: &Session) {
     let walls = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
     let channel = |drive, motion| Setup {
+        changing_drive: None,
         domain: Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, walls] },
         spacing: 1.0 / 48.0,
         viscosity: 1.0,
@@ -163,6 +164,7 @@ fn a_periodic_box_driven_by_a_gradient_or_a_force(session: &Session) {
 fn closed_box(radius: f64, spacing: f64, twist: Twist<2>) -> Setup<2> {
     let still = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
     Setup {
+        changing_drive: None,
         domain: Domain { size: Vector2::new(1.0, 1.0), axes: [still; 2] },
         spacing,
         viscosity: 2.0,

@@ -96,6 +96,7 @@ fn units_do_not_matter(session: &Session) {
         let disks = [[0.3, 0.4], [0.65, 0.62]].map(|center| suspended(Vector2::from(center) * length, 0.15 * length, pulled, 5));
         let domain = Domain { size: Vector2::repeat(length), axes: [Axis::Periodic; 2] };
         let setup = Setup {
+            changing_drive: None,
             domain,
             spacing: length / 34.0,
             viscosity,

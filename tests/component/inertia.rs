@@ -163,6 +163,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, viscosity: f64, bodies
     let (bodies, densities): (Vec<SuspendedBody<D>>, Vec<f64>) = bodies.into_iter().unzip();
     let inverse = InverseMethod::fastest(&domain);
     Setup {
+        changing_drive: None,
         domain,
         spacing,
         viscosity,

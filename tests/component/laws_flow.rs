@@ -32,6 +32,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
         suspended(Vector2::from(center), 1.0, Motion::Free { force: force.into(), torque: SMatrix::zeros() }, 4)
     };
     Setup {
+        changing_drive: None,
         domain: Domain { size: Vector2::new(8.0, 6.0), axes: [Axis::Periodic, still] },
         spacing: 0.25,
         viscosity: 2.0,

@@ -67,6 +67,7 @@ fn films<const D: usize>(roughness: f64) -> Interactions<D> {
 fn setup<const D: usize>(domain: Domain<D>, cells: f64, order: usize, bodies: Vec<(Ball<D>, Motion<D>)>) -> Setup<D> {
     let drive = if domain.fully_periodic() { Drive::MeanVelocity(SVector::zeros()) } else { Drive::Rest };
     Setup {
+        changing_drive: None,
         domain,
         spacing: 1.0 / cells,
         viscosity: 1.0,

@@ -19,6 +19,7 @@ mod conformance;
 mod contact;
 mod convergence;
 mod crowds;
+mod drives;
 mod dry;
 mod dry_cells;
 mod dry_clusters;
@@ -162,6 +163,7 @@ fn main() {
         momentum::tests(),
         motion::tests(),
         protocols::tests(),
+        drives::tests(),
         sheared::tests(),
         vorticity::tests(),
         contact::tests(),

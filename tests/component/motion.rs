@@ -46,6 +46,7 @@ fn between_sliding_walls(count: usize, fraction: f64, aspect: f64, gap: f64) -> 
     let centers = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], gap, 1).unwrap();
     let bodies = centers.into_iter().map(|center: SVector<f64, 2>| suspended(center, 1.0, free(), 6)).collect();
     Setup {
+        changing_drive: None,
         domain,
         spacing: 1.0 / 6.0,
         viscosity: 1.0,
@@ -93,6 +94,7 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
     let still = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::zeros() };
     let domain = Domain { size: size.into(), axes: [still; 2] };
     Setup {
+        changing_drive: None,
         domain,
         spacing: 1.0 / cells_per_radius,
         viscosity: 1.0,
@@ -157,6 +159,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
     let disk = || vec![suspended(Vector2::new(1.013, 2.0), 1.0, free(), 8)];
     let drive = Drive::MeanVelocity(Vector2::x());
     let setup = || Setup {
+        changing_drive: None,
         domain: domain.clone(),
         spacing: 0.125,
         viscosity: 1.0,
@@ -248,6 +251,7 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
     let disk = |body: usize| suspended(Vector2::new([2.75, 5.0][body], 2.5), 1.0, pulled(force(body).into()), 8);
     let bodies = vec![disk(0), disk(1)];
     let setup = Setup {
+        changing_drive: None,
         domain,
         spacing: 0.125,
         viscosity: 1.0,
@@ -325,6 +329,7 @@ fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_wal
 /// A disk that goes its way among others that stay: their blocks are kept, and the answer is that of a fresh assembly.
 fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
     let setup = |way: f64| Setup {
+        changing_drive: None,
         domain: Domain { size: Vector2::repeat(6.0), axes: [Axis::Periodic; 2] },
         spacing: 1.0 / 6.0,
         viscosity: 1.0,

@@ -37,6 +37,7 @@ fn disks() -> Scene {
     scene.resolution = Some(ResolutionSection::new(Spacing::Length(0.1)));
     scene.bodies = vec![BodyGroup::new(0.3, Placement::Centers(vec![vec![0.5, 0.8], vec![1.5, 1.2]]))];
     scene.output.pairs = true;
+    scene.output.structure_factor = true;
     scene.output.probe = Some(4);
     scene.output.profiles = vec![1, 0];
     scene
@@ -47,6 +48,7 @@ fn in_time(scene: Scene) -> Scene {
     let mut scene = Scene { time, ..scene };
     scene.output.checkpoint = 0.0;
     scene.output.displacements = true;
+    scene.output.velocity_autocorrelation = true;
     scene
 }
 
@@ -61,15 +63,15 @@ fn dry() -> Scene {
 }
 
 fn every_output_conforms_in_a_flow(session: &Session) {
-    conform(session, in_time(disks()), 12);
+    conform(session, in_time(disks()), 14);
 }
 
 fn every_output_conforms_in_a_dry_run(session: &Session) {
-    conform(session, dry(), 12);
+    conform(session, dry(), 14);
 }
 
 fn every_output_conforms_at_an_instant(session: &Session) {
-    conform(session, disks(), 6);
+    conform(session, disks(), 7);
 }
 
 /// The proof for each output that a scene calls for, alone.

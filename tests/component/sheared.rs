@@ -46,6 +46,7 @@ fn sheared<const D: usize>(size: SVector<f64, D>, start: f64) -> Domain<D> {
 
 fn setup<const D: usize>(domain: Domain<D>, spacing: f64, bodies: Vec<SuspendedBody<D>>) -> Setup<D> {
     Setup {
+        changing_drive: None,
         domain,
         spacing,
         viscosity: 1.0,

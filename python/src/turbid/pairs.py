@@ -7,7 +7,7 @@ uniform where centres can be, which is up to a mean radius from walls.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from math import comb, pi
 from typing import TYPE_CHECKING, Any
@@ -45,19 +45,33 @@ class PairDistribution:
             gradient (from x to y without a shear; middles of bins over half a turn).
         coordination: Mean number of neighbours of a body: others with a gap below 0.1 mean radii.
         configurations: Number of frames that were averaged.
+        partial: The same as ``radial`` of each two sizes, by their radii, the smaller one first; only what the program has measured has it.
+        map: Density over that of an ideal gas in the plane of the shear, a row for each separation and a column for each direction in degrees over half a
+            turn; ``None`` where the frames were counted here.
     """
 
     radial: pd.DataFrame
     angular: pd.DataFrame
     coordination: float
     configurations: int
+    partial: dict[tuple[float, float], pd.DataFrame] = field(default_factory=dict)
+    map: pd.DataFrame | None = None
 
     @staticmethod
     def of_program(found: dict[str, Any]) -> PairDistribution:
         """What the program has written into ``pairs.json``."""
         radial = np.array(found["radial"], dtype=float).reshape(-1, 2)
         angular = np.array(found["angular"], dtype=float).reshape(-1, 2)
-        return PairDistribution(_radial(*radial.T), _angular(*angular.T), found["coordination"], found["configurations"])
+        of_two = [(tuple(two["radii"]), np.array(two["radial"], dtype=float).reshape(-1, 2)) for two in found.get("partial", [])]
+        partial = {(radii[0], radii[1]): _radial(*rows.T) for radii, rows in of_two}
+        in_plane = _map(found["map"]) if "map" in found else None
+        return PairDistribution(_radial(*radial.T), _angular(*angular.T), found["coordination"], found["configurations"], partial, in_plane)
+
+
+def _map(found: dict[str, Any]) -> pd.DataFrame:
+    separations, degrees = pd.Index(found["separations"], name="separation"), pd.Index(found["degrees"], name="degrees")
+    values = np.array(found["distribution"], dtype=float).reshape(len(separations), len(degrees))
+    return pd.DataFrame(values, index=separations, columns=degrees)
 
 
 def pair_distribution(frames: Iterable[Frame], width: float = _WIDTH, farthest: float | None = None, shear: Shear | None = None) -> PairDistribution:

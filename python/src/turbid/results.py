@@ -61,6 +61,8 @@ class Run:
         self._forces = Cached(self.folder / "forces.csv", read_table)
         self._energy = Cached(self.folder / "energy.csv", read_table)
         self._displacements = Cached(self.folder / "displacements.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
+        self._structure_factor = Cached(self.folder / "structure-factor.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
+        self._autocorrelation = Cached(self.folder / "velocity-autocorrelation.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
         self._pairs = Cached(self.folder / "pairs.json", lambda path: PairDistribution.of_program(read_json(path)))
         self._frames = Cached(self.folder / "run.h5", list_frames)
 
@@ -188,6 +190,16 @@ class Run:
     def displacements(self) -> pd.DataFrame:
         """Mean-square displacements over the lag that the program has measured, where ``output.displacements = true``, with half widths of 95 % intervals."""
         return self._needed(self._displacements.get(), "displacements.csv: the scene has no output.displacements = true")
+
+    @property
+    def structure_factor(self) -> pd.DataFrame:
+        """The structure factor over the wave number that the program has measured, where ``output.structure_factor = true``, with half widths of 95 % intervals."""
+        return self._needed(self._structure_factor.get(), "structure-factor.csv: the scene has no output.structure_factor = true")
+
+    @property
+    def velocity_autocorrelation(self) -> pd.DataFrame:
+        """The velocity autocorrelation over the lag that the program has measured, where ``output.velocity_autocorrelation = true``, with half widths."""
+        return self._needed(self._autocorrelation.get(), "velocity-autocorrelation.csv: the scene has no output.velocity_autocorrelation = true")
 
     def pair_distribution(self, frames: Frames | None = None, width: float = 0.025, farthest: float | None = None) -> PairDistribution:
         """The pair distribution over frames, without them those of :meth:`steady_frames`; bins of ``width`` sums of radii up to ``farthest``."""

@@ -140,6 +140,21 @@ impl<const D: usize> FixedOperators<D> {
         Ok(turned)
     }
 
+    /// Turns given motions, and a drive that changes, to those of a time, and finds the flow without bodies anew for another drive. Says whether it is another one.
+    ///
+    /// # Errors
+    /// PETSc fails.
+    pub fn prescribe(&mut self, time: f64, inverse: &mut dyn StokesInverse<D>) -> Result<bool> {
+        let before = self.setup.drive;
+        self.setup.prescribe(time);
+        let Setup { drive, viscosity, .. } = &self.setup;
+        if *drive == before {
+            return Ok(false);
+        }
+        self.undisturbed = flow_without_bodies(drive, *viscosity, &self.grid, &self.stokes, inverse, &self.mean_flow)?;
+        Ok(true)
+    }
+
     /// Turns the box and the grid alone to those of another time.
     ///
     /// # Errors

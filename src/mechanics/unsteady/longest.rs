@@ -40,7 +40,7 @@ pub fn first_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64, 
     let by_bodies = motions.map(|(body, motion)| by_motion(setup, way, (body, motion), pushes.get(body))).fold(f64::INFINITY, f64::min);
     let walls = setup.domain.axes.iter().filter(|axis| axis.walled());
     let by_walls = walls.map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
-    let by_drive = from_rest(way, inertia(setup).fluid, setup.drive.uniform_force().norm());
+    let by_drive = from_rest(way, inertia(setup).fluid, setup.strongest_drive().uniform_force().norm());
     (AROUND * way / fastest.max(stream(setup))).min(FIRST * by_bodies.min(by_walls).min(by_drive))
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::SVector;
 
-use super::pairs::steady_from;
+use super::configurations::steady_from;
 use crate::{
     error::Result,
     observe::{Displacements, Shear},

@@ -1,9 +1,11 @@
 //! The outputs of a run, one a file.
 
+mod autocorrelation;
 mod cell;
 mod charts;
 mod checkpoint;
 mod checksums;
+mod configurations;
 mod displacements;
 mod energy;
 mod fields;
@@ -22,6 +24,7 @@ mod report;
 mod series;
 mod settling;
 mod step_table;
+mod structure_factor;
 
 use std::path::Path;
 
@@ -50,6 +53,8 @@ pub fn outputs<const D: usize>(
     let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
     let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
     let pairs = scene.output.pairs.then(|| Box::new(pairs::PairFiles { folder: path() }) as Box<dyn Output<D>>);
+    let structure_factor =
+        scene.output.structure_factor.then(|| Box::new(structure_factor::StructureFactorFiles { folder: path() }) as Box<dyn Output<D>>);
     let time = simulation.map_or(0.0, |simulation| simulation.state().time);
     let profiles = match scene.output.profiles.is_empty() {
         true => None,
@@ -59,7 +64,8 @@ pub fn outputs<const D: usize>(
     let report = scene.output.report.then(|| Box::new(report::ReportFile::new(world, scene, folder)) as Box<dyn Output<D>>);
     let Some(simulation) = simulation else {
         let frame = scene.stores_fields().then(|| Box::new(instant::InstantFrame { folder: path() }) as Box<dyn Output<D>>);
-        let all = picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(profiles).chain([log]).chain(report);
+        let all =
+            picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(structure_factor).chain(profiles).chain([log]).chain(report);
         return Ok((all.collect(), Vec::new()));
     };
     let (mut all, points) = of_steps(world, scene, folder, texts, simulation)?;
@@ -72,7 +78,21 @@ pub fn outputs<const D: usize>(
     }
     let displacements =
         scene.output.displacements.then(|| Box::new(displacements::DisplacementFiles { folder: path() }) as Box<dyn Output<D>>);
-    all.extend(picture.into_iter().chain(pairs).chain(displacements).chain(profiles).chain([log]).chain(report));
+    let autocorrelation = scene
+        .output
+        .velocity_autocorrelation
+        .then(|| Box::new(autocorrelation::AutocorrelationFiles { folder: path() }) as Box<dyn Output<D>>);
+    all.extend(
+        picture
+            .into_iter()
+            .chain(pairs)
+            .chain(structure_factor)
+            .chain(displacements)
+            .chain(autocorrelation)
+            .chain(profiles)
+            .chain([log])
+            .chain(report),
+    );
     Ok((all, points))
 }
 

@@ -11,7 +11,7 @@ use nalgebra::SVector;
 
 use super::cell::{Cell, count, finite, real};
 use super::step_table::StepTable;
-use super::{frames::frame_due, pairs::steady_from};
+use super::{configurations::steady_from, frames::frame_due};
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::{Error, Result},

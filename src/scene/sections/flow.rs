@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geometry::Protocol;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
-use crate::scene::sections::protocol::read as read_protocol;
+use crate::scene::sections::protocol::{read as read_protocol, read_factor};
 use crate::scene::table::Table;
 
 /// Keys of `flow.drive`, which exclude each other.
@@ -39,7 +39,7 @@ pub(in crate::scene) const KEYS: [Key; 5] = [
 const SCALAR: &str = "domain.x = \"walls\"; flow.model = \"scalar\"";
 
 /// Keys of `flow.drive`.
-pub(in crate::scene) const DRIVE_KEYS: [Key; 7] = [
+pub(in crate::scene) const DRIVE_KEYS: [Key; 8] = [
     Key::new("mean_velocity", "list of numbers", "[1.0, 0.0]", "Mean velocity over the whole box, bodies included.")
         .unit("length/time")
         .range("0 along walled axes"),
@@ -47,6 +47,14 @@ pub(in crate::scene) const DRIVE_KEYS: [Key; 7] = [
         .unit("pressure/length")
         .range("0 along walled axes"),
     Key::new("body_force", "list of numbers", "[1.0, 0.0]", "Force per volume on the fluid alone.").unit("force/volume"),
+    Key::new(
+        "factor",
+        "number, table, or list of tables",
+        "{ amplitude = 1.0, frequency = 0.5 }",
+        "What the pressure gradient or the body force is multiplied by: it oscillates by { amplitude, frequency }, or goes by steps [{ until, value }, ..].",
+    )
+    .default("1.0")
+    .needs("domain.y = \"walls\"; time.end = 1.0; flow.drive.pressure_gradient = [-1.0, 0.0]"),
     Key::new(
         "shear_rate",
         "number, table, or list of tables",
@@ -92,6 +100,8 @@ pub struct FlowSection {
     pub density: f64,
     /// What moves the fluid besides walls and bodies.
     pub drive: Option<Drive>,
+    /// What a pressure gradient or a body force is multiplied by over time: the rate of this protocol.
+    pub drive_factor: Protocol,
     /// Source of the scalar per volume outside the inclusions; only scalar scenes have one.
     pub source: f64,
 }
@@ -128,7 +138,14 @@ pub enum Drive {
 
 impl Default for FlowSection {
     fn default() -> Self {
-        FlowSection { model: FlowModel::Stokes, viscosity: 1.0, density: 0.0, drive: None, source: 1.0 }
+        FlowSection {
+            model: FlowModel::Stokes,
+            viscosity: 1.0,
+            density: 0.0,
+            drive: None,
+            drive_factor: Protocol::Steady(1.0),
+            source: 1.0,
+        }
     }
 }
 
@@ -138,11 +155,13 @@ impl FlowSection {
         let default = FlowSection::default();
         let model = |entry: Entry| entry.choice(&FlowModel::WORDS, &[]);
         let model = table.get("model").map_or(Ok(default.model), model)?;
-        for name in ["viscosity", "density", "drive", "source"] {
+        for name in ["viscosity", "density", "source"] {
             model.allow(table.get(name))?;
         }
+        model.allow_drive(table.get("drive"))?;
         let viscosity = table.get("viscosity").map_or(Ok(default.viscosity), |entry| entry.positive())?;
         let drive = table.get("drive").map(|entry| Drive::read(&entry, dimension, viscosity)).transpose()?;
+        let (drive, drive_factor) = drive.map_or((None, default.drive_factor), |(drive, factor)| (Some(drive), factor));
         // a fully periodic box has no wall through which a source could leave
         let source = if matches!(drive, Some(Drive::MeanGradient(_))) { 0.0 } else { default.source };
         Ok(FlowSection {
@@ -150,6 +169,7 @@ impl FlowSection {
             viscosity,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             drive,
+            drive_factor,
             source: table.get("source").map_or(Ok(source), |entry| read_source(&entry, model))?,
         })
     }
@@ -180,6 +200,13 @@ impl FlowModel {
         matches!(self, FlowModel::Stokes | FlowModel::NavierStokes)
     }
 
+    /// Refuses a drive where there is no fluid: neither does a gradient act on dry bodies, nor do images of a dry box slide.
+    fn allow_drive(self, entry: Option<Entry>) -> Result<()> {
+        let remedy = "drives a fluid, and a dry scene (flow.model = \"none\") has none; shear dry bodies by walls that move, with contact.friction, or pull \
+                      them by gravity";
+        entry.filter(|_| self == FlowModel::None).map_or(Ok(()), |entry| Err(entry.refuse(remedy)))
+    }
+
     /// Refuses an entry that means nothing without a fluid.
     pub(in crate::scene) fn allow(self, entry: Option<Entry>) -> Result<()> {
         match entry.filter(|_| self == FlowModel::None) {
@@ -190,14 +217,23 @@ impl FlowModel {
 }
 
 impl Drive {
-    fn read(entry: &Entry, dimension: usize, viscosity: f64) -> Result<Self> {
+    /// A drive, and what it is multiplied by over time.
+    fn read(entry: &Entry, dimension: usize, viscosity: f64) -> Result<(Self, Protocol)> {
         let table = Table::of(entry, &DRIVE_KEYS)?;
         let (name, entry) = table.exactly_one(&DRIVES, "{ shear_rate = 1.0 }")?;
         let sheared = table.get("periodic").map_or(Ok(false), |entry| {
             entry.expect((), name.starts_with("shear"), "belongs to shear_rate and shear_stress; remove it")?;
             entry.choice(&[("fixed", false), ("sheared", true)], &[])
         })?;
-        Ok(match name {
+        let factor = table.get("factor").map_or(Ok(Protocol::Steady(1.0)), |entry| {
+            entry.expect(
+                (),
+                ["pressure_gradient", "body_force"].contains(&name),
+                "belongs to pressure_gradient and body_force; remove it",
+            )?;
+            read_factor(&entry)
+        })?;
+        let drive = match name {
             "mean_velocity" => Drive::MeanVelocity(entry.vector(dimension)?),
             "pressure_gradient" => Drive::PressureGradient(entry.vector(dimension)?),
             "body_force" => Drive::BodyForce(entry.vector(dimension)?),
@@ -206,6 +242,7 @@ impl Drive {
                 let protocol = if word == "shear_stress" { decided_by_stress(entry.number()?, viscosity) } else { read_protocol(&entry)? };
                 if sheared { Drive::ShearedBox(protocol) } else { Drive::ShearRate(protocol) }
             }
-        })
+        };
+        Ok((drive, factor))
     }
 }

@@ -12,7 +12,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 15] = [
+pub(in crate::scene) const KEYS: [Key; 17] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -65,11 +65,21 @@ pub(in crate::scene) const KEYS: [Key; 15] = [
         measured.",
     )
     .default("false"),
+    Key::new("structure_factor", "true or false", "true", "Whether the structure factor of the places of bodies is measured, along periodic axes.")
+        .default("false"),
     Key::new(
         "displacements",
         "true or false",
         "true",
         "Whether mean-square displacements of the free bodies are measured, less what the shear and their mean carry along, and the diffusivities that follow.",
+    )
+    .default("false")
+    .needs("time.end = 1.0"),
+    Key::new(
+        "velocity_autocorrelation",
+        "true or false",
+        "true",
+        "Whether the autocorrelation of the velocities of the free bodies is measured, less those of the shear and their mean.",
     )
     .default("false")
     .needs("time.end = 1.0"),
@@ -129,8 +139,12 @@ pub struct OutputSection {
     pub probe: Option<usize>,
     /// Whether the distribution of pairs is measured.
     pub pairs: bool,
+    /// Whether the structure factor is.
+    pub structure_factor: bool,
     /// Whether displacements are.
     pub displacements: bool,
+    /// Whether the autocorrelation of velocities is.
+    pub velocity_autocorrelation: bool,
     /// Axes across which profiles are measured, each once.
     pub profiles: Vec<usize>,
     /// Whether the balance of energy is written, which a flow with inertia has.
@@ -168,7 +182,9 @@ impl Default for OutputSection {
             checkpoint: 600.0,
             probe: None,
             pairs: false,
+            structure_factor: false,
             displacements: false,
+            velocity_autocorrelation: false,
             profiles: Vec::new(),
             energy: false,
             reference_velocity: None,
@@ -201,7 +217,13 @@ impl OutputSection {
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
+            structure_factor: table
+                .get("structure_factor")
+                .map_or(Ok(default.structure_factor), |entry| read_structure_factor(&entry, model))?,
             displacements: table.get("displacements").map_or(Ok(default.displacements), |entry| entry.flag())?,
+            velocity_autocorrelation: table
+                .get("velocity_autocorrelation")
+                .map_or(Ok(default.velocity_autocorrelation), |entry| entry.flag())?,
             profiles: table.get("profiles").map_or(Ok(Vec::new()), |entry| read_profiles(&entry, dimension, model))?,
             energy: table.get("energy").map_or(Ok(default.energy), |entry| entry.flag())?,
             reference_velocity: table.get("reference_velocity").map(|entry| read_reference(&entry, dimension)).transpose()?,
@@ -213,7 +235,7 @@ fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
     if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
     }
-    if let Some(entry) = table.get("displacements") {
+    if let Some(entry) = ["displacements", "velocity_autocorrelation"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve moves no body; add [time] or remove it"));
     }
     match table.get("fields").filter(|_| model == FlowModel::Scalar) {
@@ -298,4 +320,10 @@ fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {
     let pairs = entry.flag()?;
     let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no pair distribution; remove it";
     entry.expect(pairs, !pairs || model != FlowModel::Scalar, remedy)
+}
+
+fn read_structure_factor(entry: &Entry, model: FlowModel) -> Result<bool> {
+    let measured = entry.flag()?;
+    let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no structure factor; remove it";
+    entry.expect(measured, !measured || model != FlowModel::Scalar, remedy)
 }

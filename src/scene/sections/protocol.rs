@@ -1,4 +1,6 @@
-//! A rate that changes with time, as a scene file has it.
+//! A rate, or a factor, that changes with time, as a scene file has it.
+
+use std::f64::consts::TAU;
 
 use toml_edit::Value;
 
@@ -31,30 +33,74 @@ pub(in crate::scene) const STEP_KEYS: [Key; 2] = [
     Key::new("rate", "number", "-1.0", "The rate in the step.").unit("1/time").default("required").needs(STEPS),
 ];
 
+/// Keys of a factor that oscillates.
+pub(in crate::scene) const FACTOR_OSCILLATION_KEYS: [Key; 2] = [
+    Key::new("amplitude", "number", "1.0", "Of the factor, which is amplitude cos(2 pi frequency time).")
+        .default("required with frequency")
+        .range("above 0")
+        .needs(FACTOR_OSCILLATION),
+    Key::new("frequency", "number", "0.5", "Cycles a time.")
+        .unit("1/time")
+        .default("required with amplitude")
+        .range("above 0")
+        .needs(FACTOR_OSCILLATION),
+];
+
+/// Keys of a step of a factor.
+pub(in crate::scene) const FACTOR_STEP_KEYS: [Key; 2] = [
+    Key::new("until", "number", "2.0", "When the step ends. The last one goes on to the end of the run and has none.")
+        .unit("time")
+        .default("required but for the last step")
+        .range("above that of the step before")
+        .needs(FACTOR_STEPS),
+    Key::new("value", "number", "-1.0", "The factor in the step.").default("required").needs(FACTOR_STEPS),
+];
+
+const FACTOR_OSCILLATION: &str = "domain.y = \"walls\"; time.end = 1.0; flow.drive.factor = { amplitude = 1.0, frequency = 0.5 }";
+const FACTOR_STEPS: &str = "domain.y = \"walls\"; time.end = 3.0; flow.drive.factor = [{ until = 1.0, value = 1.0 }, { value = -1.0 }]";
+
 const OSCILLATION: &str = "domain.y = \"walls\"; time.end = 1.0; flow.drive.shear_rate = { amplitude = 0.1, frequency = 1.0 }";
 const STEPS: &str = "domain.y = \"walls\"; time.end = 3.0; flow.drive.shear_rate = [{ until = 1.0, rate = 1.0 }, { rate = -1.0 }]";
 
-/// A number, an oscillation or a list of steps.
+/// A rate: a number, an oscillation of its integral or a list of steps.
 pub(super) fn read(entry: &Entry) -> Result<Protocol> {
     match entry.value {
-        Value::InlineTable(_) => read_oscillation(entry),
-        Value::Array(_) => read_steps(entry),
+        Value::InlineTable(_) => {
+            let [amplitude, frequency] = read_oscillation(entry, &OSCILLATION_KEYS)?;
+            Ok(Protocol::Oscillation { amplitude, frequency })
+        }
+        Value::Array(_) => read_steps(entry, &STEP_KEYS),
         _ => entry.number().map(Protocol::Steady),
     }
 }
 
-fn read_oscillation(entry: &Entry) -> Result<Protocol> {
-    let table = Table::of(entry, &OSCILLATION_KEYS)?;
-    let amplitude = table.require("amplitude", "0.1")?.positive()?;
-    Ok(Protocol::Oscillation { amplitude, frequency: table.require("frequency", "1.0")?.positive()? })
+/// A factor: a number, an oscillation or a list of steps.
+pub(super) fn read_factor(entry: &Entry) -> Result<Protocol> {
+    match entry.value {
+        Value::InlineTable(_) => {
+            let [amplitude, frequency] = read_oscillation(entry, &FACTOR_OSCILLATION_KEYS)?;
+            Ok(Protocol::Oscillation { amplitude: amplitude / (TAU * frequency), frequency })
+        }
+        Value::Array(_) => read_steps(entry, &FACTOR_STEP_KEYS),
+        _ => entry.number().map(Protocol::Steady),
+    }
 }
 
-fn read_steps(entry: &Entry) -> Result<Protocol> {
+/// Amplitude and frequency.
+fn read_oscillation(entry: &Entry, keys: &'static [Key; 2]) -> Result<[f64; 2]> {
+    let table = Table::of(entry, keys)?;
+    let amplitude = table.require("amplitude", keys[0].example)?.positive()?;
+    Ok([amplitude, table.require("frequency", keys[1].example)?.positive()?])
+}
+
+/// Steps of what the second key names.
+fn read_steps(entry: &Entry, keys: &'static [Key; 2]) -> Result<Protocol> {
+    let name = keys[1].name;
     let entries = entry.list()?;
     let (mut steps, mut before) = (Vec::new(), 0.0);
     for (place, step) in entries.iter().enumerate() {
-        let table = Table::of(step, &STEP_KEYS)?;
-        let rate = table.require("rate", "1.0")?.number()?;
+        let table = Table::of(step, keys)?;
+        let value = table.require(name, "1.0")?.number()?;
         let last = place + 1 == entries.len();
         let until = match table.get("until") {
             Some(until) if last => return Err(until.refuse("the last step goes on to the end of the run; remove it, or add a step")),
@@ -65,9 +111,13 @@ fn read_steps(entry: &Entry) -> Result<Protocol> {
             None if last => f64::INFINITY,
             None => table.require("until", "1.0")?.positive()?,
         };
-        steps.push((until, rate));
+        steps.push((until, value));
         before = until;
     }
-    entry.expect((), !steps.is_empty(), "must have a step at least, for example [{ until = 1.0, rate = 1.0 }, { rate = -1.0 }]")?;
-    Ok(if let [(_, rate)] = steps[..] { Protocol::Steady(rate) } else { Protocol::steps(&steps) })
+    entry.expect(
+        (),
+        !steps.is_empty(),
+        &format!("must have a step at least, for example [{{ until = 1.0, {name} = 1.0 }}, {{ {name} = -1.0 }}]"),
+    )?;
+    Ok(if let [(_, value)] = steps[..] { Protocol::Steady(value) } else { Protocol::steps(&steps) })
 }

@@ -114,6 +114,7 @@ pub fn periodic(disks: &[Ball<2>], motion: Motion<2>, cells: usize, order: usize
         drive: Drive::Shear(1.0),
         bodies: disks.iter().map(|&ball| SuspendedBody { body: Body { ball, motion }, order }).collect(),
         inertia: None,
+        changing_drive: None,
         trajectories: Default::default(),
         constraint: ConstraintMethod::Sharp,
         interactions: crate::interaction::Interactions::default(),

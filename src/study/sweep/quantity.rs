@@ -5,6 +5,7 @@ use std::{fs, path::Path};
 use crate::{
     error::{Error, Result},
     experiment::summary::RunSummary,
+    geometry::Protocol,
     observe::statistics::mean_from,
     output::{AXES, Columns, CurvePoint, MeanViscosity},
     scene::{AxisSection, Drive, Motion, Scene},
@@ -43,7 +44,7 @@ impl SweepQuantity {
         let free = scene.bodies.iter().all(|group| group.motion == Motion::Free);
         let Some(word) = word else {
             return match () {
-                () if sheared(scene) && free => Ok(SweepQuantity::Viscosity),
+                () if sheared(scene) && free => Ok(of_shear(scene)),
                 () if !scene.dry() && !scene.scalar() && !free => Ok(SweepQuantity::Drag),
                 () => settling(scene).map(SweepQuantity::Settling).ok_or_else(|| {
                     Error::refused(
@@ -56,6 +57,9 @@ impl SweepQuantity {
         let refuse = |reason: &str| Err(Error::refused(format!("--quantity {word}: {reason}")));
         match word {
             "viscosity" if !(sheared(scene) && free) => refuse("belongs to free bodies in a shear; choose another"),
+            "viscosity" if scene.changing_shear().is_some() => refuse(
+                "has no mean where the rate of the shear changes; choose oscillation.complex_viscosity of one that oscillates, or last.viscosity",
+            ),
             "viscosity" => Ok(SweepQuantity::Viscosity),
             "drag" if free || scene.dry() || scene.scalar() => refuse("no body is held in a flow; choose settling or another"),
             "drag" => Ok(SweepQuantity::Drag),
@@ -154,6 +158,15 @@ fn read(path: &Path) -> Result<String> {
     fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })
 }
 
+/// What a shear is about: where its rate changes, the answer to an oscillation, or the viscosity at the end.
+fn of_shear(scene: &Scene) -> SweepQuantity {
+    match scene.changing_shear() {
+        None => SweepQuantity::Viscosity,
+        Some(Protocol::Oscillation { .. }) => SweepQuantity::Entry("oscillation.complex_viscosity".to_owned()),
+        Some(_) => SweepQuantity::Last("viscosity".to_owned()),
+    }
+}
+
 fn sheared(scene: &Scene) -> bool {
     matches!(scene.flow.drive, Some(Drive::ShearRate(_) | Drive::ShearedBox(_))) || scene.domain.axes.iter().any(sliding)
 }
@@ -231,6 +244,16 @@ mod tests {
         assert_eq!(SweepQuantity::of(None, &shear).unwrap(), SweepQuantity::Viscosity);
         assert_eq!(SweepQuantity::of(None, &held).unwrap(), SweepQuantity::Drag);
         assert_eq!(SweepQuantity::of(None, &falling).unwrap(), SweepQuantity::Settling(vec![0.0, -1.0]));
+        let protocol = |rate: &str| scene("domain.y = \"walls\"\ntime.end = 1\n", &format!("[flow]\ndrive = {{ shear_rate = {rate} }}\n"));
+        let oscillating = protocol("{ amplitude = 0.1, frequency = 1 }");
+        assert_eq!(SweepQuantity::of(None, &oscillating).unwrap(), SweepQuantity::Entry("oscillation.complex_viscosity".into()));
+        assert_eq!(
+            SweepQuantity::of(None, &protocol("[{ until = 1, rate = 1 }, { rate = -1 }]")).unwrap(),
+            SweepQuantity::Last("viscosity".into())
+        );
+        assert!(
+            SweepQuantity::of(Some("viscosity"), &oscillating).unwrap_err().to_string().contains("choose oscillation.complex_viscosity")
+        );
         assert_eq!(SweepQuantity::of(Some("flow.mean_velocity.0"), &shear).unwrap(), SweepQuantity::Entry("flow.mean_velocity.0".into()));
         for (word, scene) in [("drag", &shear), ("settling", &shear), ("viscosity", &held), ("weight", &held), ("series.time", &held)] {
             let refusal = SweepQuantity::of(Some(word), scene).unwrap_err().to_string();

@@ -89,6 +89,17 @@ fn a_shear_whose_rate_changes_in_two_halves_is_the_run_in_one() {
 }
 
 #[test]
+fn a_drive_that_changes_in_two_halves_is_the_run_in_one() {
+    let still = "domain.y={ lower = [0.0, 0.0], upper = [0.0, 0.0] }";
+    let ways: [&[&str]; 2] = [
+        &[still, "flow.drive={ pressure_gradient = [-4.0, 0.0], factor = [{ until = 0.1, value = 1.0 }, { value = -1.0 }] }"],
+        &[still, "flow.drive={ body_force = [4.0, 0.0], factor = { amplitude = 1.0, frequency = 2.0 } }", "method.inverse=transform"],
+    ];
+    halves_agree("driven", SHEARED, &ways, &[2]);
+    halves_agree("driven-inertia", INERTIA, &ways[1..], &[2]);
+}
+
+#[test]
 fn a_flow_with_inertia_in_two_halves_is_the_run_in_one() {
     let fitted = ["method.constraint=fitted", "contact.model=none", "gravity=[0.0,-2.0]"];
     let films: &[&str] = &["method.inverse=transform", "lubrication.model=pairwise"];

@@ -11,7 +11,7 @@ from ..errors import Missing
 from ..frame import Frame
 from ..frames import Frames
 from .bodies import COLOUR_CHOICES, Picture
-from .charts import directions_chart, pairs_chart, profile_chart, series_chart, viscosity_chart
+from .charts import autocorrelation_chart, directions_chart, pair_map_chart, pairs_chart, profile_chart, series_chart, structure_factor_chart, viscosity_chart
 from .style import COLOURS
 
 if TYPE_CHECKING:
@@ -80,6 +80,18 @@ class Plots:
         """In which directions the neighbours of bodies lie."""
         measured = frames is None and (self._run.folder / "pairs.json").exists()
         return directions_chart(self._run.pairs if measured else self._run.pair_distribution(frames), axes)
+
+    def pair_map(self) -> Axes:
+        """The pair distribution in the plane of the shear that the program has measured, over separation and direction: polar axes."""
+        return pair_map_chart(self._run.pairs)
+
+    def structure_factor(self, axes: Axes | None = None) -> Axes:
+        """The structure factor over the wave number, with its 95 % interval."""
+        return structure_factor_chart(self._run.structure_factor, axes)
+
+    def velocity_autocorrelation(self, axes: Axes | None = None) -> Axes:
+        """The velocity autocorrelation along each axis over its value without lag, over the lag."""
+        return autocorrelation_chart(self._run.velocity_autocorrelation, axes)
 
     def profile(
         self,

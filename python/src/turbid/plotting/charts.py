@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.colors import Normalize
 
 from ..box import Floats
+from ..errors import Missing
 from ..pairs import PairDistribution
 from ..profiles import Profile
 from ..viscosity import Viscosity
@@ -72,6 +73,45 @@ def pairs_chart(found: PairDistribution, axes: Axes | None) -> Axes:
     frames = "1 frame" if found.configurations == 1 else f"{found.configurations} frames"
     axes.set(xlabel="separation of centres / sum of the radii", ylabel="pair distribution g(r)", ylim=(0, None))
     axes.set_title(f"{frames}, {found.coordination:.3g} neighbours within 0.1 radii", fontsize="medium")
+    return finish(axes)
+
+
+def pair_map_chart(found: PairDistribution) -> Axes:
+    """The pair distribution over separation and direction on polar axes, in opposite directions alike."""
+    import matplotlib.pyplot as plt
+
+    if found.map is None:
+        raise Missing("pairs counted from frames have no map; output.pairs = true lets the program measure it")
+    axes = plt.figure(figsize=(5.4, 4.6)).add_subplot(projection="polar")
+    density, separations = found.map.to_numpy(), found.map.index.to_numpy()
+    half = 0.5 * (separations[1] - separations[0]) if len(separations) > 1 else 0.5
+    turns = np.linspace(0.0, 2 * np.pi, 2 * density.shape[1] + 1)
+    excess = np.hstack([density, density]) - 1.0
+    drawn = axes.pcolormesh(turns, np.append(separations - half, separations[-1:] + half), excess, cmap="RdBu_r", norm=norm_of(excess, around_zero=True))
+    axes.figure.colorbar(drawn, ax=axes, label="g(r, θ) - 1", pad=0.1)
+    axes.set(ylim=(0.0, None), xlabel="direction from flow to gradient; radius: separation / sum of the radii")
+    axes.grid(False)
+    return axes
+
+
+def structure_factor_chart(table: pd.DataFrame, axes: Axes | None) -> Axes:
+    """The structure factor over the wave number."""
+    axes, table = axes_of(axes), table.astype(float)
+    axes.errorbar(table["wave_number"], table["structure_factor"], yerr=table["half_width"].fillna(0.0), color=COLOURS[0], linewidth=1.4, elinewidth=0.8)
+    axes.axhline(1.0, color="0.4", linewidth=0.8, linestyle="--")
+    axes.set(xlabel="wave number k [1 / unit of length]", ylabel="structure factor S(k)", ylim=(0, None))
+    return finish(axes)
+
+
+def autocorrelation_chart(table: pd.DataFrame, axes: Axes | None) -> Axes:
+    """The velocity autocorrelation over the lag."""
+    axes, table = axes_of(axes), table.astype(float)
+    for axis, colour in zip("xyz", COLOURS):
+        if (name := f"autocorrelation_{axis}") in table:
+            axes.plot(table["lag"], table[name] / table[name].iloc[0], color=colour, label=f"along {axis}")
+    axes.axhline(0.0, color="0.4", linewidth=0.8, linestyle="--")
+    axes.set(xlabel="lag [unit of time]", ylabel="velocity autocorrelation over that without lag")
+    axes.legend(frameon=False)
     return finish(axes)
 
 

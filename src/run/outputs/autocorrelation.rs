@@ -1,0 +1,58 @@
+//! `velocity-autocorrelation.csv`: how long bodies keep their velocities, from the frames of a run once it has ended.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::SVector;
+
+use super::configurations::steady_from;
+use crate::{
+    error::Result,
+    observe::Autocorrelation,
+    output::{AutocorrelationSummary, FrameFile, Summary, autocorrelation_files},
+    run::{Output, View},
+};
+
+/// Measures the velocity autocorrelation at the end.
+pub struct AutocorrelationFiles {
+    /// Where the files go, and where the frames are.
+    pub folder: PathBuf,
+}
+
+impl<const D: usize> Output<D> for AutocorrelationFiles {
+    fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
+        let Some(motion) = &view.motion else { return Ok(Vec::new()) };
+        let shear = view.shear();
+        let begin = steady_from(view.world, shear.as_ref(), motion.state().time, view.history.mean());
+        let free = motion.simulation.free();
+        // one rank alone: a lag takes two frames
+        let found = view.world.on_first_rank(|| {
+            let mut found = Autocorrelation::new(motion.domain(), shear);
+            let first = follow(&self.folder, begin, &free, &mut found)?;
+            let files = autocorrelation_files(view.scene.shown_title(), &found);
+            Ok(first.map(|first| (AutocorrelationSummary::new(&found, first), files)))
+        })?;
+        if view.world.max(f64::from(found.is_some())) == 0.0 {
+            return Ok(Vec::new());
+        }
+        let (of_run, files) = found.unzip();
+        summary.velocity_autocorrelation = of_run;
+        let files =
+            files.unwrap_or_else(|| ["velocity-autocorrelation.csv", "velocity-autocorrelation.svg"].map(|name| (name, Vec::new())));
+        files.iter().map(|(name, bytes)| view.write_file(&self.folder, name, bytes)).collect()
+    }
+}
+
+/// Follows free bodies through the frames from a time on, and gives the first such time.
+fn follow<const D: usize>(folder: &Path, begin: f64, free: &[bool], found: &mut Autocorrelation<D>) -> Result<Option<f64>> {
+    let mut first = None;
+    for file in FrameFile::of_run(folder)? {
+        if file.time()? < begin {
+            continue;
+        }
+        let frame = file.read::<D>()?;
+        let bodies = frame.bodies.iter().zip(free).filter(|(_, free)| **free).map(|(body, _)| (body.center, body.velocity));
+        found.add(frame.time, &bodies.collect::<Vec<(SVector<f64, D>, SVector<f64, D>)>>());
+        first.get_or_insert(frame.time);
+    }
+    Ok(first)
+}

@@ -1,0 +1,77 @@
+//! The configurations that are measured once a run has ended: its frames from a time on, which ranks read in turn, one at a time.
+
+use std::path::Path;
+
+use crate::{
+    error::Result,
+    geometry::{Axis, Domain, LeesEdwards},
+    linalg::ROUNDING,
+    observe::Shear,
+    output::{FrameFile, MeanViscosity, StoredFrame},
+    parallel::World,
+};
+
+/// Part of a run without a steady viscosity that is left out.
+const START_UP: f64 = 0.5;
+
+/// The time from which frames of a run until `end` count: where the steady part of its viscosity begins, or else its second half, but for rounding.
+/// Collective.
+pub fn steady_from<const D: usize>(world: &World, shear: Option<&Shear<D>>, end: f64, mean: Option<&MeanViscosity>) -> f64 {
+    let begin = match (shear, mean) {
+        (Some(shear), Some(mean)) => mean.strains[0] / shear.rate.abs(),
+        _ => START_UP * end,
+    };
+    // the mean is known to the first rank only
+    world.gather(&[begin - ROUNDING * end])[0]
+}
+
+/// Frames in the folder of a run from a time on.
+pub struct Configurations {
+    files: Vec<FrameFile>,
+    begin: f64,
+}
+
+impl Configurations {
+    /// Those in a folder. Local, as is [`visit_own`](Self::visit_own).
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn since(begin: f64, folder: &Path) -> Result<Configurations> {
+        Ok(Configurations { files: FrameFile::of_run(folder)?, begin })
+    }
+
+    /// How many frames the run has, those of earlier times too.
+    pub fn len(&self) -> usize {
+        self.files.len()
+    }
+
+    /// Shows the frames that are this rank's to read, each with its number among all of the run, and gives the first time.
+    ///
+    /// # Errors
+    /// A frame cannot be read.
+    pub fn visit_own<const D: usize>(&self, world: &World, mut visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
+        let mut first = None;
+        for (number, file) in self.files.iter().enumerate().skip(world.rank()).step_by(world.size()) {
+            if file.time()? >= self.begin {
+                let frame = file.read::<D>()?;
+                first.get_or_insert(frame.time);
+                visit(number, frame);
+            }
+        }
+        Ok(first)
+    }
+}
+
+/// The first of the times that ranks have found; infinite without any. Collective.
+pub fn first_time(world: &World, own: Option<f64>) -> f64 {
+    -world.max(own.map_or(f64::NEG_INFINITY, |first| -first))
+}
+
+/// The box as it was when a frame was written: of a shear whose rate a stress has found, the box itself knows the last rate only.
+pub fn box_of<const D: usize>(domain: &Domain<D>, frame: &StoredFrame<D>) -> Domain<D> {
+    let mut domain = domain.clone().at(frame.time);
+    if let (Axis::Sheared(slide), Some(offset)) = (&mut domain.axes[1], frame.offset) {
+        *slide = LeesEdwards::steady(offset - slide.speed() * frame.time, slide.speed(), frame.time);
+    }
+    domain
+}
