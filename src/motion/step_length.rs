@@ -114,9 +114,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// That of a state.
     pub(super) fn solve_tolerance(&self, state: &State<D>) -> f64 {
-        let time = &self.step_control.time;
-        let error = if time.step == Step::Auto && !self.evolves() { time.error } else { 0.0 };
-        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state), error);
+        let tolerance = self.suspension.setup().tolerance.in_a_step(self.travelled(state));
         if self.tried_rate.is_some() { tolerance.min(LOOSEST_AT_STRESS) } else { tolerance }
     }
 }

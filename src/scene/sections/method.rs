@@ -193,23 +193,18 @@ const LOOSEST: f64 = 1e-3;
 /// 2.2e-4 at most, a tolerance of 1e-3 by 1.5e-5, of 1e-4 by 1.3e-6, of 1e-6 by 9e-9.
 const PART_OF_STEP_ERROR: f64 = 0.02;
 
-/// Part of what bodies may err by in an automatic step that a solve may bring: of `examples/crowd3d.toml`, whose steps are a quarter as long as `travel` lets them, tolerances
-/// of 1.3e-5 and 3.6e-4 differ by 1.6e-4 of the viscosity and take 15.8 and 9.7 iterations.
-const PART_OF_WANTED_ERROR: f64 = 0.03;
-
 impl Tolerance {
     /// For bodies that do not move.
     pub fn at_an_instant(self) -> f64 {
-        self.in_a_step(0.0, 0.0)
+        self.in_a_step(0.0)
     }
 
-    /// For a step after one in which a body moved so many radii, and in which it may err by a part of its radius: zero where steps do not depend on it.
-    pub fn in_a_step(self, travel: f64, error: f64) -> f64 {
-        let of_wanted = if travel > 0.0 { PART_OF_WANTED_ERROR * error / travel } else { 0.0 };
+    /// For a step after one in which a body moved so many radii.
+    pub fn in_a_step(self, travel: f64) -> f64 {
         match self {
-            Tolerance::Auto => (PART_OF_STEP_ERROR * travel * travel).max(of_wanted).clamp(TIGHTEST, LOOSEST),
+            Tolerance::Auto => (PART_OF_STEP_ERROR * travel * travel).clamp(TIGHTEST, LOOSEST),
             Tolerance::Fixed(tolerance) => tolerance,
-            Tolerance::AtMost(loosest) => Tolerance::Auto.in_a_step(travel, error).min(loosest),
+            Tolerance::AtMost(loosest) => Tolerance::Auto.in_a_step(travel).min(loosest),
         }
     }
 
@@ -250,22 +245,5 @@ impl MethodSection {
             inverse: table.get("inverse").map_or(Ok(default.inverse), inverse)?,
             tolerance: table.get("tolerance").map_or(Ok(default.tolerance), |entry| Tolerance::read(&entry))?,
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn solves_of_short_steps_are_as_exact_as_steps_or_as_what_is_wanted() {
-        let fixed = |travel| Tolerance::Auto.in_a_step(travel, 0.0);
-        assert!((fixed(0.1) - 2e-4).abs() < 1e-12 && (fixed(0.05) - 5e-5).abs() < 1e-12);
-        // errors of steps that are cut for an error are what solves may bring a part of, however far bodies move in them
-        let cut = |travel, error| Tolerance::Auto.in_a_step(travel, error) * travel / error;
-        assert!((cut(0.03, 3e-4) - cut(0.05, 4e-4)).abs() < 1e-12 && cut(0.03, 3e-4) > 0.0);
-        assert_eq!(Tolerance::Auto.in_a_step(1e-6, 3e-4), LOOSEST);
-        assert_eq!(Tolerance::Auto.in_a_step(0.0, 3e-4), TIGHTEST);
-        assert_eq!(Tolerance::AtMost(1e-5).in_a_step(0.03, 3e-4), 1e-5);
     }
 }
