@@ -1,14 +1,12 @@
 //! `velocity-autocorrelation.csv`: how long bodies keep their velocities, from the frames of a run once it has ended.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nalgebra::SVector;
-
-use super::configurations::steady_from;
+use super::configurations::{Configurations, steady_from};
 use crate::{
     error::Result,
     observe::Autocorrelation,
-    output::{AutocorrelationSummary, FrameFile, Summary, autocorrelation_files},
+    output::{AutocorrelationSummary, Summary, autocorrelation_files},
     run::{Output, View},
 };
 
@@ -27,7 +25,10 @@ impl<const D: usize> Output<D> for AutocorrelationFiles {
         // one rank alone: a lag takes two frames
         let found = view.world.on_first_rank(|| {
             let mut found = Autocorrelation::new(motion.domain(), shear);
-            let first = follow(&self.folder, begin, &free, &mut found)?;
+            let first = Configurations::since(begin, &self.folder)?.visit_all(|frame| {
+                let bodies = frame.bodies.iter().zip(&free).filter(|(_, free)| **free).map(|(body, _)| (body.center, body.velocity));
+                found.add(frame.time, &bodies.collect::<Vec<_>>());
+            })?;
             let files = autocorrelation_files(view.scene.shown_title(), &found);
             Ok(first.map(|first| (AutocorrelationSummary::new(&found, first), files)))
         })?;
@@ -40,19 +41,4 @@ impl<const D: usize> Output<D> for AutocorrelationFiles {
             files.unwrap_or_else(|| ["velocity-autocorrelation.csv", "velocity-autocorrelation.svg"].map(|name| (name, Vec::new())));
         files.iter().map(|(name, bytes)| view.write_file(&self.folder, name, bytes)).collect()
     }
-}
-
-/// Follows free bodies through the frames from a time on, and gives the first such time.
-fn follow<const D: usize>(folder: &Path, begin: f64, free: &[bool], found: &mut Autocorrelation<D>) -> Result<Option<f64>> {
-    let mut first = None;
-    for file in FrameFile::of_run(folder)? {
-        if file.time()? < begin {
-            continue;
-        }
-        let frame = file.read::<D>()?;
-        let bodies = frame.bodies.iter().zip(free).filter(|(_, free)| **free).map(|(body, _)| (body.center, body.velocity));
-        found.add(frame.time, &bodies.collect::<Vec<(SVector<f64, D>, SVector<f64, D>)>>());
-        first.get_or_insert(frame.time);
-    }
-    Ok(first)
 }

@@ -49,9 +49,21 @@ impl Configurations {
     ///
     /// # Errors
     /// A frame cannot be read.
-    pub fn visit_own<const D: usize>(&self, world: &World, mut visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
+    pub fn visit_own<const D: usize>(&self, world: &World, visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
+        self.visit((world.rank(), world.size()), visit)
+    }
+
+    /// Shows all frames to this rank, one after the other, as [`visit_own`](Self::visit_own) does.
+    ///
+    /// # Errors
+    /// A frame cannot be read.
+    pub fn visit_all<const D: usize>(&self, mut visit: impl FnMut(StoredFrame<D>)) -> Result<Option<f64>> {
+        self.visit((0, 1), |_, frame| visit(frame))
+    }
+
+    fn visit<const D: usize>(&self, (start, stride): (usize, usize), mut visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
         let mut first = None;
-        for (number, file) in self.files.iter().enumerate().skip(world.rank()).step_by(world.size()) {
+        for (number, file) in self.files.iter().enumerate().skip(start).step_by(stride) {
             if file.time()? >= self.begin {
                 let frame = file.read::<D>()?;
                 first.get_or_insert(frame.time);

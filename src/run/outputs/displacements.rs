@@ -1,14 +1,12 @@
 //! `displacements.csv`: mean-square displacements of a run, from its frames once it has ended.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use nalgebra::SVector;
-
-use super::configurations::steady_from;
+use super::configurations::{Configurations, steady_from};
 use crate::{
     error::Result,
-    observe::{Displacements, Shear},
-    output::{DisplacementSummary, FrameFile, Summary, displacement_files},
+    observe::Displacements,
+    output::{DisplacementSummary, Summary, displacement_files},
     run::{Output, View},
 };
 
@@ -21,14 +19,16 @@ pub struct DisplacementFiles {
 impl<const D: usize> Output<D> for DisplacementFiles {
     fn finish(&mut self, view: &View<D>, summary: &mut Summary) -> Result<Vec<String>> {
         let Some(motion) = &view.motion else { return Ok(Vec::new()) };
-        let setup = view.flow.map(|flow| flow.solver.setup());
-        let shear = setup.and_then(|setup| Shear::of(&setup.domain, &setup.drive));
+        let shear = view.shear();
         let begin = steady_from(view.world, shear.as_ref(), motion.state().time, view.history.mean());
         let free = motion.simulation.free();
         // one rank alone: paths need all frames in turn
         let found = view.world.on_first_rank(|| {
             let mut found = Displacements::new(motion.domain(), shear);
-            let first = follow(&self.folder, begin, &free, &mut found)?;
+            let first = Configurations::since(begin, &self.folder)?.visit_all(|frame| {
+                let centers = frame.bodies.iter().zip(&free).filter(|(_, free)| **free).map(|(body, _)| body.center);
+                found.add(frame.time, &centers.collect::<Vec<_>>());
+            })?;
             let files = displacement_files(view.scene.shown_title(), &found);
             Ok(first.map(|first| (DisplacementSummary::new(&found, first), files)))
         })?;
@@ -40,19 +40,4 @@ impl<const D: usize> Output<D> for DisplacementFiles {
         let files = files.unwrap_or_else(|| ["displacements.csv", "displacements.svg"].map(|name| (name, Vec::new())));
         files.iter().map(|(name, bytes)| view.write_file(&self.folder, name, bytes)).collect()
     }
-}
-
-/// Follows free bodies through the frames from a time on, and gives the first such time.
-fn follow<const D: usize>(folder: &Path, begin: f64, free: &[bool], found: &mut Displacements<D>) -> Result<Option<f64>> {
-    let mut first = None;
-    for file in FrameFile::of_run(folder)? {
-        if file.time()? < begin {
-            continue;
-        }
-        let frame = file.read::<D>()?;
-        let centers: Vec<SVector<f64, D>> = frame.bodies.iter().zip(free).filter(|(_, free)| **free).map(|(body, _)| body.center).collect();
-        found.add(frame.time, &centers);
-        first.get_or_insert(frame.time);
-    }
-    Ok(first)
 }
