@@ -110,7 +110,7 @@ fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Res
     let obstacles: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
     let (mut random, mut gap) = (Vec::new(), 0.0_f64);
     for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
-        random.extend(std::iter::repeat_n((group, bodies.radius), count as usize));
+        random.extend(bodies.radii(D, count as usize).into_iter().map(|radius| (group, radius)));
         gap = if count > 0.0 { gap.max(bodies.gap) } else { gap };
     }
     let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
@@ -268,7 +268,7 @@ fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup,
         Placement::Count(_) if bodies.together() => Ok(0.0),
         Placement::Count(count) => Ok(count as f64),
         Placement::Fraction(fraction) => {
-            let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume();
+            let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume() * bodies.mean_volume(D);
             let count = (fraction * domain.volume() / one).round();
             let remedy = "is less than half a body; enlarge domain.size or lower the radius";
             if count < 1.0 { Err(room::refuse_number(scene, group, remedy)) } else { Ok(count) }

@@ -8,7 +8,7 @@ use crate::{
     grid::{FEWEST_CELLS, MOST_INDEX, MOST_UNKNOWNS, WIDER_INDICES, cells_along},
     parallel::free_memory_bytes,
     petsc::INDEX_BITS,
-    scene::{Placement, ResolutionSection, Scene},
+    scene::{BodyGroup, Placement, ResolutionSection, Scene},
 };
 
 /// Fewest cells per radius: closer to the centre the jump functions are too steep for the grid.
@@ -38,7 +38,7 @@ pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize,
     if counts.iter().any(|&count| count > 0.0) {
         check_filling(scene, &Ends::of(scene, domain)?.between(domain), given, counts)?;
     }
-    let random = scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, _)| bodies.radius);
+    let random = scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, count)| bodies.smallest_of(D, *count as usize));
     let smallest = given.iter().map(|(_, ball)| ball.radius).chain(random).fold(f64::INFINITY, f64::min);
     check_grid(scene, domain, smallest)
 }
@@ -59,7 +59,7 @@ impl Ends {
     /// # Errors
     /// Nothing is left between them.
     pub fn of<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Ends> {
-        let smallest = scene.bodies.iter().map(|bodies| bodies.radius).fold(f64::INFINITY, f64::min);
+        let smallest = scene.bodies.iter().map(|bodies| bodies.smallest()).fold(f64::INFINITY, f64::min);
         let Some((axis, _)) = domain.open().filter(|_| smallest.is_finite()) else { return Ok(Ends::NONE) };
         let size = domain.size[axis];
         let room = CELLS_AT_ENDS * size / (size * FEWEST_CELLS_PER_RADIUS / smallest).floor().max(1.0);
@@ -113,8 +113,12 @@ fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(us
     let random = || scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0);
     let gap = random().map(|(bodies, _)| bodies.gap).fold(0.0, f64::max);
     let part = |radius: f64| Ball { center: SVector::<f64, D>::zeros(), radius }.volume() / domain.volume();
-    let swollen = |group: usize| counts[group] * part(scene.bodies[group].radius * (1.0 + gap / 2.0));
-    let equal = given.is_empty() && random().all(|(bodies, _)| random().next().is_some_and(|(first, _)| first.radius == bodies.radius));
+    let swollen = |group: usize| {
+        let bodies = &scene.bodies[group];
+        counts[group] * bodies.mean_volume(D) * part(bodies.radius * (1.0 + gap / 2.0))
+    };
+    let alike = |first: &BodyGroup, other: &BodyGroup| first.radius == other.radius && first.sizes.is_none() && other.sizes.is_none();
+    let equal = given.is_empty() && random().all(|(bodies, _)| random().next().is_some_and(|(first, _)| alike(first, bodies)));
     let neighbourhood = counts.iter().sum::<f64>() >= CROWD;
     let most = if !equal {
         1.0

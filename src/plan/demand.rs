@@ -41,8 +41,8 @@ pub fn demand<const D: usize>(scene: &Scene, ranks: usize) -> Result<f64> {
         return Ok(CONTACT_BYTES * numbers.iter().sum::<f64>());
     }
     let Some(resolution) = &scene.resolution else { return Ok(0.0) };
-    let other = scene.bodies.iter().filter(|group| !matches!(group.placement, Placement::File(_)));
-    let smallest = other.map(|group| group.radius).chain(given.iter().map(|(_, ball)| ball.radius)).fold(f64::INFINITY, f64::min);
+    let other = scene.bodies.iter().zip(&numbers).filter(|(group, _)| !matches!(group.placement, Placement::File(_)));
+    let smallest = other.map(|(group, number)| group.smallest_of(D, *number as usize)).chain(given.iter().map(|(_, ball)| ball.radius)).fold(f64::INFINITY, f64::min);
     let spacing = resolution.spacing.length(smallest);
     if domain.size.sum() / spacing > MOST_ALONG {
         return Ok(f64::INFINITY);
@@ -78,7 +78,7 @@ fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, sp
     let empty = with(Vec::new());
     let mut all = empty;
     for (group, count) in scene.bodies.iter().zip(numbers) {
-        let ball = Ball { center: domain.size / 2.0, radius: group.radius };
+        let ball = Ball { center: domain.size / 2.0, radius: group.radius * group.mean_volume(D).powf(1.0 / D as f64) };
         // one that the grid is too coarse for is refused where the bodies are placed
         let Ok(one) = suspended(scene, Body { ball, motion: Motion::Prescribed(Twist::zero()) }, fixed_in_plane::<D>(group), spacing)
         else {

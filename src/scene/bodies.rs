@@ -13,6 +13,7 @@ use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
 use crate::scene::sections::friction;
+use crate::scene::sizes::Sizes;
 use crate::scene::table::Table;
 
 /// Keys of `[[bodies]]` that exclude each other.
@@ -28,6 +29,8 @@ pub struct BodyGroup {
     pub shape: Shape,
     /// The radius of each body, positive.
     pub radius: f64,
+    /// How radii differ from it, if they do.
+    pub sizes: Option<Sizes>,
     /// Where the bodies start.
     pub placement: Placement,
     /// How cells and clusters with given centers are turned at the start: in 2D an angle in radians, counterclockwise; in 3D a vector about which, by its
@@ -166,6 +169,7 @@ impl BodyGroup {
         BodyGroup {
             shape,
             radius,
+            sizes: None,
             placement,
             rotation,
             gap,
@@ -179,6 +183,34 @@ impl BodyGroup {
             chain: None,
             cluster: None,
         }
+    }
+
+    /// Whether its bodies are placed at random.
+    pub fn at_random(&self) -> bool {
+        matches!(self.placement, Placement::Fraction(_) | Placement::Count(_))
+    }
+
+    /// The radii of as many of its bodies, if they are placed at random.
+    pub fn radii(&self, dimension: usize, count: usize) -> Vec<f64> {
+        match &self.sizes {
+            Some(sizes) => sizes.radii(dimension, count).into_iter().map(|size| size * self.radius).collect(),
+            None => vec![self.radius; count],
+        }
+    }
+
+    /// The radius of the smallest of as many of its bodies.
+    pub fn smallest_of(&self, dimension: usize, count: usize) -> f64 {
+        self.sizes.as_ref().map_or(1.0, |sizes| sizes.radius_of(dimension, 0, count.max(1))) * self.radius
+    }
+
+    /// The least radius that its bodies may have.
+    pub fn smallest(&self) -> f64 {
+        self.sizes.as_ref().map_or(1.0, |sizes| sizes.smallest()) * self.radius
+    }
+
+    /// The mean volume of its bodies over that of one of its radius.
+    pub fn mean_volume(&self, dimension: usize) -> f64 {
+        self.sizes.as_ref().map_or(1.0, |sizes| sizes.mean_volume(dimension))
     }
 
     /// The name of the list of the file that it is from.
@@ -224,6 +256,7 @@ impl BodyGroup {
         let default = BodyGroup::new(table.require("radius", "1.0")?.positive()?, placement);
         Ok(BodyGroup {
             shape: shape.unwrap_or(default.shape),
+            sizes: read_sizes(&table, &default)?,
             gap: read_gap(&table, &default)?,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             friction: table.get("friction").map(|entry| friction(&entry)).transpose()?,
@@ -296,12 +329,18 @@ fn read_radius(table: &Table) -> Result<f64> {
     table.require("radius", "0.5")?.positive()
 }
 
+fn read_sizes(table: &Table, default: &BodyGroup) -> Result<Option<Sizes>> {
+    let Some(entry) = table.get("sizes") else { return Ok(None) };
+    let remedy = "only bodies placed by fraction or count differ so; remove it, or give the table of a file the column radius";
+    entry.expect((), default.at_random(), remedy)?;
+    Sizes::read(&entry).map(Some)
+}
+
 fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {
     let Some(entry) = table.get("gap") else {
         return Ok(default.gap);
     };
-    let random = matches!(default.placement, Placement::Fraction(_) | Placement::Count(_));
-    entry.expect((), random, "only bodies placed by fraction or count keep a gap; remove it")?;
+    entry.expect((), default.at_random(), "only bodies placed by fraction or count keep a gap; remove it")?;
     entry.not_negative()
 }
 

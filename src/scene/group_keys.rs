@@ -48,9 +48,20 @@ const ROTATION: Key = Key::new(
 .unit("radians");
 
 /// Keys of `[[bodies]]`.
-pub(super) const BODY_KEYS: [Key; 14] = [
+pub(super) const BODY_KEYS: [Key; 15] = [
     Key::new("shape", "\"ball\"", "\"ball\"", "A disk in 2D, a sphere in 3D.").default("\"ball\""),
     RADIUS,
+    Key::new(
+        "sizes",
+        "list of numbers or table",
+        "[1.0, 1.4]",
+        "How the radii of bodies that are placed at random differ: radii each of which fills the same part of the volume of the bodies, two sizes, or a \
+        log-normal distribution. The radii depend on no seed.",
+    )
+    .unit("radii of the group")
+    .default("all alike")
+    .range("0.01 to 100")
+    .needs("bodies.0.count = 4"),
     Key::new("fraction", "number", "0.1", "Part of the box that the group fills, placed at random.")
         .unit("ratio")
         .default(PLACED)
@@ -82,6 +93,29 @@ pub(super) const BODY_KEYS: [Key; 14] = [
         .needs(INERTIA),
 ];
 
+/// Keys of `sizes` of a group of bodies: of two sizes, and from [`LOGNORMAL`] on of a log-normal distribution.
+pub(super) const SIZES_KEYS: [Key; 5] = [
+    Key::new("ratio", "number", "1.4", "The second of two radii.")
+        .unit("radii of the group")
+        .default("required")
+        .range("0.01 to 100")
+        .needs(TWO_SIZES),
+    Key::new("share", "number", "0.5", "Part of the volume of the bodies that those of the second radius fill.")
+        .unit("ratio")
+        .default("0.5")
+        .range("above 0, below 1")
+        .needs(TWO_SIZES),
+    Key::new("deviation", "number", "0.2", "Standard deviation of the logarithm of the radii, whose median by number is the radius of the group.")
+        .default("required")
+        .range("above 0, at most 2")
+        .needs(MANY_SIZES),
+    Key::new("smallest", "number", "0.5", "No body is smaller.").unit("radii of the group").default("required").range("0.01 to 100").needs(MANY_SIZES),
+    Key::new("largest", "number", "2.0", "No body is larger.").unit("radii of the group").default("required").range("0.01 to 100").needs(MANY_SIZES),
+];
+
+/// Where the keys of a log-normal distribution begin.
+pub(super) const LOGNORMAL: usize = 2;
+
 /// Keys of `motion` of a group of bodies: of a steady, of an oscillating and of any other motion.
 pub(super) const MOTION_KEYS: [Key; 7] = [
     Key::new("velocity", "list of numbers", "[1.0, 0.0]", "Constant velocity.").unit("length/time").default("zero"),
@@ -108,6 +142,9 @@ pub(super) const MOTION_KEYS: [Key; 7] = [
     .needs("time.end = 1.0"),
 ];
 
+const TWO_SIZES: &str = "bodies.0.count = 4; bodies.0.sizes.ratio = 1.2";
+const MANY_SIZES: &str =
+    "bodies.0.count = 4; bodies.0.sizes.deviation = 0.1; bodies.0.sizes.smallest = 0.8; bodies.0.sizes.largest = 1.2";
 const TO_AND_FRO: &str = "time.end = 1.0; bodies.0.motion.amplitude = [0.1, 0.0]; bodies.0.motion.frequency = 1.0";
 
 /// Where the keys of an oscillating motion begin, and where those of a path.

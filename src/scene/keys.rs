@@ -97,7 +97,7 @@ fn pair(key: &str, value: impl Display) -> (String, String) {
     (key.to_owned(), value.to_string())
 }
 
-fn number(key: &str, value: f64) -> (String, String) {
+pub(super) fn number(key: &str, value: f64) -> (String, String) {
     // a float that looks like an integer may be too long for one
     let text = if value.abs() < 1e15 { value.to_string() } else { format!("{value:?}") };
     (key.to_owned(), text.replace("NaN", "nan"))
@@ -112,7 +112,7 @@ fn text(key: &str, value: &str) -> (String, String) {
     pair(key, Value::from(value))
 }
 
-fn list(key: &str, value: &[f64]) -> (String, String) {
+pub(super) fn list(key: &str, value: &[f64]) -> (String, String) {
     (key.to_owned(), format!("{value:?}").replace("NaN", "nan"))
 }
 
@@ -226,6 +226,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     let BodyGroup {
         shape: Shape::Ball,
         radius,
+        sizes,
         placement,
         rotation,
         gap,
@@ -245,6 +246,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         (None, None) => vec![word("shape", "ball")],
     };
     keys.push(number("radius", *radius));
+    keys.extend(sizes.iter().flat_map(Sizes::keys));
     keys.extend(match placement {
         Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", *gap)],
         Placement::Count(count) => vec![pair("count", count), number("gap", *gap)],

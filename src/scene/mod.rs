@@ -24,6 +24,7 @@ mod protocol;
 mod reference;
 mod scalar;
 mod sections;
+mod sizes;
 mod table;
 
 pub use affine::AffineFlow;
@@ -39,6 +40,7 @@ pub use sections::{
     LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step,
     TimeSection, Tolerance, Until,
 };
+pub use sizes::Sizes;
 
 use crate::error::Error;
 

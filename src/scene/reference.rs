@@ -1,7 +1,7 @@
 //! All sections of a scene file with their keys: the tables by which files are read, as a reference of them.
 
 use crate::scene::file;
-use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS};
+use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, SIZES_KEYS};
 use crate::scene::key::Key;
 use crate::scene::sections::{
     AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, FLOW_KEYS, FRICTION_KEYS,
@@ -22,7 +22,7 @@ pub struct KeySection {
 }
 
 /// All sections, in the order of a scene file.
-pub const SECTIONS: [KeySection; 23] = [
+pub const SECTIONS: [KeySection; 24] = [
     KeySection { name: "top", written: "the top of the file", about: "What stands before the first section.", keys: &file::KEYS },
     KeySection { name: "domain", written: "[domain]", about: "The box and what bounds it.", keys: &DOMAIN_KEYS },
     KeySection {
@@ -71,6 +71,12 @@ pub const SECTIONS: [KeySection; 23] = [
     },
     KeySection { name: "method", written: "[method]", about: "How the equations are solved.", keys: &METHOD_KEYS },
     KeySection { name: "bodies", written: "[[bodies]]", about: "A group of disks or spheres that are alike.", keys: &BODY_KEYS },
+    KeySection {
+        name: "bodies.sizes",
+        written: "sizes = { .. } of [[bodies]]",
+        about: "How radii differ: two sizes (ratio, share) or a log-normal distribution (deviation, smallest, largest).",
+        keys: &SIZES_KEYS,
+    },
     KeySection {
         name: "bodies.motion",
         written: "motion = { .. } of [[bodies]]",

@@ -32,7 +32,7 @@ use crate::{
         summary::RunSummary,
     },
     output::say,
-    scene::{Placement, Scene},
+    scene::{BodyGroup, Scene},
 };
 
 /// What to vary and what to measure.
@@ -111,8 +111,7 @@ impl ParameterSweep {
         if self.seeds > 1 && seed_varies {
             return refuse("the seed is one of the keys that are varied; leave one of both out");
         }
-        let random =
-            |scene: &Scene| scene.bodies.iter().any(|group| matches!(group.placement, Placement::Fraction(_) | Placement::Count(_)));
+        let random = |scene: &Scene| scene.bodies.iter().any(BodyGroup::at_random);
         let points = vary::points(keys);
         let setting = |point: &Vec<_>, seed| SweepSetting { point: point.clone(), seed };
         // what is wrong with a scene is told when all of them are read

@@ -12,7 +12,7 @@ mod transient;
 
 pub use blocks::{BLOCKS, FEWEST, Interval, interval, mean, standard_error, student};
 pub use harmonics::{HARMONICS, Harmonics, harmonics};
-pub use resampling::{mean_from, resampled};
+pub use resampling::{mean_from, resampled, samples_from};
 pub use shortage::Shortage;
 pub use steady::{Steady, steady};
 pub use transient::transient;

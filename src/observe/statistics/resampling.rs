@@ -11,6 +11,15 @@ pub fn resampled(curve: &[(f64, f64)], count: usize) -> Vec<f64> {
     integrals.windows(2).map(|pair| (pair[1] - pair[0]) * count as f64 / (to - from)).collect()
 }
 
+/// Means of a curve over equal stretches from an abscissa to its end, about as many as it has points there.
+pub fn samples_from(curve: &[(f64, f64)], from: f64) -> Vec<f64> {
+    let after = curve.iter().filter(|point| point.0 >= from).count();
+    let Some(&(to, _)) = curve.last() else { return Vec::new() };
+    let edges: Vec<f64> = (0..=after).map(|number| from + (to - from) * number as f64 / after as f64).collect();
+    let integrals = integrals(curve, &edges);
+    if to > from { integrals.windows(2).map(|pair| (pair[1] - pair[0]) * after as f64 / (to - from)).collect() } else { Vec::new() }
+}
+
 /// Mean of a curve from an abscissa to its end; the last value if they coincide.
 pub fn mean_from(curve: &[(f64, f64)], from: f64) -> f64 {
     let Some(&(to, last)) = curve.last() else { return f64::NAN };

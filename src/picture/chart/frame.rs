@@ -17,6 +17,8 @@ pub enum Scale {
     Linear,
     /// By their logarithms; what is not positive is left out.
     Logarithmic,
+    /// Ordinates by their logarithms; what is not positive is left out.
+    LogarithmicOrdinate,
 }
 
 impl Scale {
@@ -25,6 +27,7 @@ impl Scale {
         match self {
             Scale::Linear => [point.0, point.1],
             Scale::Logarithmic => [point.0.log10(), point.1.log10()],
+            Scale::LogarithmicOrdinate => [point.0, point.1.log10()],
         }
     }
 }
@@ -48,6 +51,7 @@ impl ChartFrame {
         let [x, y] = match scale {
             Scale::Linear => [Axis::tight(x), Axis::loose(y)],
             Scale::Logarithmic => [Axis::decades(x), Axis::decades(y)],
+            Scale::LogarithmicOrdinate => [Axis::tight(x), Axis::decades(y)],
         };
         let longest = |texts: &mut dyn Iterator<Item = usize>| LETTER * texts.max().unwrap_or(0) as f64;
         let labels = longest(&mut y.ticks().iter().map(|&tick| y.label(tick).chars().count()));

@@ -6,17 +6,13 @@ use crate::{
     error::{Error, Result},
     experiment::summary::RunSummary,
     geometry::Protocol,
-    observe::statistics::mean_from,
     output::{AXES, Columns, CurvePoint, MeanViscosity},
     scene::{AxisSection, Drive, Motion, Scene},
     study::{
         cost::SceneProperties,
-        sweep::reading::{Over, Reading},
+        sweep::reading::{Over, Reading, TimeMean},
     },
 };
-
-/// Part of a run in time that is left out of a mean where nothing says when it became steady.
-const START_UP: f64 = 0.5;
 
 /// What is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +136,7 @@ impl SweepQuantity {
             SweepQuantity::Settling(direction) if summary.in_time() => settled(direction, &Columns::read(&series)?),
             SweepQuantity::Settling(direction) => settling_now(&summary, direction).map(|value| Reading::of(value, last)),
             SweepQuantity::Column(name) => {
-                second_half(&Columns::read(&series)?.curve("time", name)).map(|value| Reading::of(value, Over::SecondHalf))
+                TimeMean::of_second_half(&Columns::read(&series)?.curve("time", name)).map(Reading::second_half)
             }
             SweepQuantity::Last(name) => {
                 Columns::read(&series)?.curve("time", name).last().map(|(_, value)| Reading::of(*value, Over::End))
@@ -193,10 +189,10 @@ fn viscosity(summary: &RunSummary, series: &Path) -> Result<Option<Reading>> {
     }
     // a negative rate shears as well
     let curve: Vec<(f64, f64)> = CurvePoint::read(&read(series)?).iter().map(|point| (point.strain.abs(), point.relative())).collect();
-    let half = second_half(&curve).unwrap_or(relative);
+    let half = TimeMean::of_second_half(&curve).unwrap_or(TimeMean { value: relative, spread: None });
     Ok(Some(match summary.get::<MeanViscosity>("/viscosity/mean") {
-        Some(mean) => Reading::steady(mean.relative, mean.half_width(), half),
-        None => Reading::of(half, Over::SecondHalf),
+        Some(mean) => Reading::steady(mean.relative, (mean.half_width(), mean.blocks), half),
+        None => Reading::second_half(half),
     }))
 }
 
@@ -211,17 +207,15 @@ fn settling_now(summary: &RunSummary, direction: &[f64]) -> Option<f64> {
 
 fn settled(direction: &[f64], series: &Columns) -> Option<Reading> {
     let names = AXES.iter().map(|axis| format!("body_velocity_{axis}"));
-    let mean = names.take(direction.len()).map(|name| second_half(&series.curve("time", &name))).collect::<Option<Vec<_>>>()?;
-    Some(Reading::of(along(direction, &mean), Over::SecondHalf))
+    let components: Vec<_> = names.take(direction.len()).map(|name| series.curve("time", &name)).collect();
+    let rows = 0..components.iter().map(Vec::len).min()?;
+    let settled = |row: usize| along(direction, &components.iter().map(|component| component[row].1).collect::<Vec<_>>());
+    let curve: Vec<(f64, f64)> = rows.map(|row| (components[0][row].0, settled(row))).collect();
+    TimeMean::of_second_half(&curve).map(Reading::second_half)
 }
 
 fn along(direction: &[f64], vector: &[f64]) -> f64 {
     direction.iter().zip(vector).map(|(one, other)| one * other).sum()
-}
-
-fn second_half(curve: &[(f64, f64)]) -> Option<f64> {
-    let (first, last) = (curve.first()?.0, curve.last()?.0);
-    Some(mean_from(curve, first + START_UP * (last - first)))
 }
 
 #[cfg(test)]
@@ -265,8 +259,9 @@ mod tests {
     #[test]
     fn a_column_is_averaged_over_the_second_half_by_time() {
         let series = Columns::parse("step,time,a\n0,0.0,9\n1,1.0,1\n2,1.5,1\n3,2.0,3\n");
-        assert_eq!(second_half(&series.curve("time", "a")), Some(1.5));
-        assert_eq!(second_half(&series.curve("time", "b")), None);
+        let mean = |name: &str| TimeMean::of_second_half(&series.curve("time", name));
+        assert_eq!(mean("a"), Some(TimeMean { value: 1.5, spread: None }));
+        assert_eq!(mean("b"), None);
     }
 
     #[test]
@@ -281,7 +276,7 @@ mod tests {
             fs::write(&path, format!("strain,viscosity_hydrodynamic\n{rows}")).unwrap();
             let summary = RunSummary(serde_json::json!({"time": 2.0, "motion": {}, "viscosity": {"relative": 3.0}}));
             let reading = viscosity(&summary, &path).unwrap().unwrap();
-            assert_eq!(reading, Reading::of(1.5, Over::SecondHalf));
+            assert_eq!(reading, Reading::second_half(TimeMean { value: 1.5, spread: None }));
         }
         fs::remove_file(path).unwrap();
     }

@@ -127,7 +127,7 @@ impl SweepReport {
             series.push(Series { name: words(rest), points: own });
         }
         let title = format!("{}: mean and 95 % interval", self.title);
-        Chart { title, x, y: self.quantities[quantity].clone(), scale: Scale::Linear, series }.annotated(&notes)
+        Chart { title, x, y: self.quantities[quantity].clone(), scale: scale(&series), series }.annotated(&notes)
     }
 }
 
@@ -163,9 +163,25 @@ fn words(point: &[Assignment]) -> String {
     point.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
+/// By logarithms where the largest number is so many times the least, and all are positive.
+fn scale(series: &[Series]) -> Scale {
+    const WIDE: f64 = 30.0;
+    let numbers = series.iter().flat_map(|series| &series.points).map(|point| point.1).filter(|number| number.is_finite());
+    let [least, most] = numbers.fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], number| [least.min(number), most.max(number)]);
+    if least > 0.0 && most >= WIDE * least { Scale::LogarithmicOrdinate } else { Scale::Linear }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_several_decades_are_drawn_by_their_logarithms() {
+        let line = |numbers: &[f64]| Series { name: String::new(), points: numbers.iter().map(|&number| (number, number)).collect() };
+        assert_eq!(scale(&[line(&[1.0, 2.0]), line(&[f64::NAN, 40.0])]), Scale::LogarithmicOrdinate);
+        assert_eq!(scale(&[line(&[1.0, 20.0])]), Scale::Linear);
+        assert_eq!(scale(&[line(&[-1.0, 200.0])]), Scale::Linear);
+    }
 
     #[test]
     fn a_table_has_the_columns_of_each_quantity_and_says_what_its_means_are_over() {

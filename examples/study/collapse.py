@@ -1,0 +1,167 @@
+"""Columns of dry disks that collapse on a rough floor: run-out and final height against the aspect ratio, and the slope of the deposit.
+
+    python3 examples/study/collapse.py PROGRAM [DISKS]
+
+A column of half width R is settled between smooth walls, set free in a wide box, and comes to rest. Published: run-out `2.5 a` below an aspect ratio `a` of 2 and
+`3.25 a^0.7` above (Staron & Hinch 2005, friction 1), height `0.65 a^0.4` (Lube et al. 2005). Lengths in units of R.
+"""
+
+import csv
+import json
+import math
+import pathlib
+import subprocess
+import sys
+
+OUT = pathlib.Path("out/study/collapse")
+PACKED = 0.82
+
+SETTLE = """
+seed = {seed}
+gravity = [0.0, -1.0]
+[domain]
+size = [{width}, {height}]
+x = "walls"
+y = "walls"
+[flow]
+model = "none"
+[[bodies]]
+radius = 1.0
+sizes = {{ deviation = 0.15, smallest = 0.75, largest = 1.3 }}
+count = {count}
+gap = 0.02
+[contact]
+model = "inelastic"
+[time]
+end = {end}
+step = 0.05
+[output]
+every = {end}
+picture = false
+"""
+
+RELEASE = """
+gravity = [0.0, -1.0]
+[domain]
+size = [{width}, {height}]
+x = "walls"
+y = "walls"
+[flow]
+model = "none"
+[[bodies]]
+radius = 1.0
+file = "column.csv"
+[contact]
+model = "inelastic"
+friction = {friction}
+[time]
+end = {end}
+step = 0.05
+[output]
+every = {every}
+"""
+
+
+def run(program, folder, scene, log):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "scene.toml").write_text(scene)
+    if not (folder / "run" / "summary.json").exists():
+        code = subprocess.run([program, "run", str(folder / "scene.toml"), "--out", str(folder / "run"), "--force"], stdout=log, stderr=log).returncode
+        if code != 0:
+            sys.exit(f"{folder}: turbid run ended with {code}")
+    summary = json.loads((folder / "run" / "summary.json").read_text())
+    return [(body["position"], body["radius"]) for body in summary["bodies"]]
+
+
+def heap(disks):
+    """The disks that hang together with most others: those whose surfaces are nearer than a tenth of a radius."""
+    cells = {}
+    for number, ((x, y), _) in enumerate(disks):
+        cells.setdefault((int(x // 3.0), int(y // 3.0)), []).append(number)
+    group = list(range(len(disks)))
+
+    def root(one):
+        while group[one] != one:
+            group[one] = group[group[one]]
+            one = group[one]
+        return one
+
+    for number, ((x, y), radius) in enumerate(disks):
+        column, row = int(x // 3.0), int(y // 3.0)
+        for other in (other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in cells.get((column + i, row + j), [])):
+            (u, v), wide = disks[other]
+            if other > number and math.hypot(x - u, y - v) < radius + wide + 0.1:
+                group[root(number)] = root(other)
+    sizes = {}
+    for number in range(len(disks)):
+        sizes[root(number)] = sizes.get(root(number), 0) + 1
+    main = max(sizes, key=sizes.get)
+    return [disk for number, disk in enumerate(disks) if root(number) == main]
+
+
+def slope(disks, middle, reach):
+    """Tangent of the deposit's flank, by least squares over the middle three fifths of both sides: of the tops of slices three radii wide."""
+    tops = {}
+    for (x, y), radius in disks:
+        place = int(abs(x - middle) // 3.0)
+        for side in ([0] if x < middle else [1]):
+            tops[(side, place)] = max(tops.get((side, place), 0.0), y + radius)
+    points = [((place + 0.5) * 3.0, top) for (_, place), top in tops.items() if 0.2 * reach < (place + 0.5) * 3.0 < 0.8 * reach]
+    mean = [sum(values) / len(points) for values in zip(*points)]
+    return -sum((x - mean[0]) * (y - mean[1]) for x, y in points) / sum((x - mean[0]) ** 2 for x, _ in points)
+
+
+def collapse(program, count, aspect, friction, seed, log):
+    half = math.sqrt(count * math.pi * 1.023 / (2.0 * PACKED * aspect))
+    tall = 2.0 * half * aspect
+    folder = OUT / f"{count},a={aspect},mu={friction},seed={seed}"
+    settle = SETTLE.format(seed=seed, width=2.0 * half, height=1.35 * half * aspect + 6.0, count=count, end=round(1.5 * math.sqrt(tall) + 10.0, 1))
+    disks = run(program, OUT / f"{count},a={aspect},seed={seed}", settle, log)
+    highest = max(y + radius for (_, y), radius in disks)
+    runout = 2.0 * (2.5 * aspect if aspect < 2.0 else 3.25 * aspect ** 0.7) + 1.0
+    wide = 2.0 * half * (runout + 1.0)
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / "column.csv", "w") as table:
+        table.write("x,y,radius\n")
+        table.writelines(f"{x - half + 0.5 * wide!r},{y!r},{radius!r}\n" for (x, y), radius in disks)
+    end = round(4.0 * math.sqrt(2.0 * highest) + 10.0, 1)
+    disks = heap(run(program, folder, RELEASE.format(width=wide, height=highest + 3.0, friction=friction, end=end, every=end / 20.0), log))
+    middle = 0.5 * wide
+    reach = 0.5 * (max(x for (x, _), _ in disks) - min(x for (x, _), _ in disks))
+    height = max(y + radius for (x, y), radius in disks if abs(x - middle) < 0.2 * half + 3.0)
+    with open(folder / "run" / "series.csv") as series:
+        last = list(csv.DictReader(series))[-1]
+    return {"disks": count, "aspect": highest / half, "friction": friction, "runout": reach / half - 1.0, "height": height / half,
+            "angle": math.degrees(math.atan(slope(disks, middle, reach))), "kinetic": float(last["kinetic_energy"]) / (count * math.pi * highest)}
+
+
+def exponent(points):
+    """Power of a law through (x, y), by least squares of logarithms, with its standard error."""
+    logs = [(math.log(x), math.log(y)) for x, y in points]
+    mean = [sum(values) / len(logs) for values in zip(*logs)]
+    wide = sum((x - mean[0]) ** 2 for x, _ in logs)
+    power = sum((x - mean[0]) * (y - mean[1]) for x, y in logs) / wide
+    off = sum((y - mean[1] - power * (x - mean[0])) ** 2 for x, y in logs)
+    return power, math.sqrt(off / max(len(logs) - 2, 1) / wide)
+
+
+def main():
+    program, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 2000
+    OUT.mkdir(parents=True, exist_ok=True)
+    rows = []
+    print("| disks | aspect ratio | friction | run-out | final height | slope of the deposit, degrees | kinetic energy left |\n|-|-|-|-|-|-|-|")
+    with open(OUT / "log", "a") as log:
+        for aspect, friction in [(0.6, 0.5), (1.0, 0.5), (1.5, 0.5), (3.0, 0.5), (5.0, 0.5), (8.0, 0.5), (12.0, 0.5), (1.0, 0.1), (1.0, 0.2), (1.0, 1.0)]:
+            row = collapse(program, count, aspect, friction, 1, log)
+            rows.append(row)
+            print("| {disks} | {aspect:.2f} | {friction} | {runout:.2f} | {height:.3f} | {angle:.1f} | {kinetic:.1e} |".format(**row), flush=True)
+    own = [row for row in rows if row["friction"] == 0.5]
+    for name, side in [("below 2", [row for row in own if row["aspect"] < 2.0]), ("above 2", [row for row in own if row["aspect"] > 2.0])]:
+        power, error = exponent([(row["aspect"], row["runout"]) for row in side])
+        print(f"run-out goes with the power {power:.2f} +- {error:.2f} of aspect ratios {name}")
+    power, error = exponent([(row["aspect"], row["height"]) for row in own if row["aspect"] > 1.0])
+    print(f"final height goes with the power {power:.2f} +- {error:.2f} of aspect ratios above 1")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,224 @@
+"""The viscosity of dense suspensions with friction, from about forty minutes on two cores; what is there is not run again.
+
+    ./run study
+
+Every point is a run of the program, started by `turbid sweep`; two sweeps run side by side. Tables and charts go to docs/study.md and beside it.
+"""
+
+import csv
+import math
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+HERE = pathlib.Path(__file__).parent
+OUT = pathlib.Path("out/study")
+DOCS = pathlib.Path("docs")
+
+FRICTION = ["0", "0.2", "0.5", "1"]
+PARTS = ["viscosity", "series.viscosity_contact", "series.viscosity_friction", "series.first_normal_difference", "series.particle_pressure",
+         "series.contact_number"]
+SPACE = PARTS + ["series.second_normal_difference"]
+
+#: Name, scene, keys that are varied, seeds, quantities.
+SWEEPS = [
+    ("disks", "disks", {"bodies.0.fraction": ["0.1", "0.3", "0.5", "0.6", "0.66", "0.7"], "contact.friction": FRICTION}, 2, PARTS),
+    ("spheres", "spheres", {"bodies.0.fraction": ["0.1", "0.2", "0.3", "0.4", "0.45", "0.5"], "contact.friction": FRICTION}, 1, SPACE),
+    ("reversal", "reversal", {"contact.friction": ["0.5"]}, 4, ["last.viscosity"]),
+    ("thickening", "thickening", {"contact.friction.critical_load": ["0.1", "0.3", "1", "3", "10", "30", "100"]}, 1, PARTS),
+]
+
+
+def sweep(program, name, scene, varied, seeds, quantities):
+    """Runs what is missing of a sweep and gives its table."""
+    command = [program, "sweep", str(HERE / f"{scene}.toml"), "--out", str(OUT / name), "--seeds", str(seeds), "--quantity", ",".join(quantities)]
+    for key, values in varied.items():
+        command += ["--vary", f"{key}={','.join(values)}"]
+    OUT.mkdir(parents=True, exist_ok=True)
+    with open(OUT / f"{name}.log", "w") as log:
+        code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
+    if code != 0:
+        sys.exit(f"{name}: turbid sweep ended with {code}; see {OUT / name}.log")
+    with open(OUT / name / "sweep.csv") as table:
+        return list(csv.DictReader(table))
+
+
+def number(text):
+    return float(text) if text not in ("", None) else math.nan
+
+
+def with_half_width(row, quantity, digits=3):
+    """A mean with half its interval, as a table has it."""
+    mean, low, high = (number(row.get(name, "")) for name in (quantity, f"{quantity}.low", f"{quantity}.high"))
+    if math.isnan(mean):
+        return ""
+    return f"{mean:.{digits}g}" + ("" if math.isnan(low) else f" +- {0.5 * (high - low):.2g}")
+
+
+def jamming(points):
+    """The fraction at which `(1 - fraction / jamming)^-2` diverges, by least squares of logarithms over (fraction, viscosity) pairs."""
+    def misses(limit):
+        return sum((math.log(value) + 2.0 * math.log(1.0 - fraction / limit)) ** 2 for fraction, value in points)
+    low, high = max(fraction for fraction, _ in points) * 1.001, 1.2
+    golden = 0.5 * (math.sqrt(5.0) - 1.0)
+    for _ in range(80):
+        one, two = high - golden * (high - low), low + golden * (high - low)
+        low, high = (low, two) if misses(one) < misses(two) else (one, high)
+    return 0.5 * (low + high)
+
+
+def jamming_with_interval(rows):
+    """The same with its 95 % interval, from points that scatter as their own intervals say; of fractions from .4 on (disks) or .3 (spheres)."""
+    points = [(number(row["fraction_placed"]), number(row["viscosity"]), number(row["viscosity.high"]) - number(row["viscosity"])) for row in rows]
+    points = [point for point in points if not math.isnan(point[1])]
+    draw = random.Random(1)
+    def drawn():
+        off = [(fraction, value * math.exp(draw.gauss(0.0, min(half, value) / 1.96 / value if half == half else 0.0))) for fraction, value, half in points]
+        return jamming(off)
+    draws = sorted(drawn() for _ in range(400))
+    return jamming([point[:2] for point in points]), draws[10], draws[389]
+
+
+def table(rows, columns):
+    """Markdown of rows; columns are names with what makes a cell of a row."""
+    lines = ["| " + " | ".join(columns) + " |", "|-" * len(columns) + "|"]
+    lines += ["| " + " | ".join(cell(row) for cell in columns.values()) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def flow_part(row):
+    """What is left of the viscosity without contacts: the flow and its films."""
+    rest = number(row["viscosity"]) - number(row["series.viscosity_contact"]) - number(row["series.viscosity_friction"] or "0")
+    return f"{rest:.3g}"
+
+
+def figures(rows, spheres):
+    columns = {
+        "fraction": lambda row: f"{number(row['fraction_placed']):.3f}",
+        "friction": lambda row: row["contact.friction"],
+        "viscosity": lambda row: with_half_width(row, "viscosity"),
+        "flow and films": flow_part,
+        "contacts: normal": lambda row: with_half_width(row, "series.viscosity_contact"),
+        "tangential": lambda row: with_half_width(row, "series.viscosity_friction", 2),
+        "N1": lambda row: with_half_width(row, "series.first_normal_difference", 2),
+        "N2": lambda row: with_half_width(row, "series.second_normal_difference", 2),
+        "particle pressure": lambda row: with_half_width(row, "series.particle_pressure"),
+        "contacts a body": lambda row: f"{number(row['series.contact_number']):.2f}",
+        "runs, failed": lambda row: f"{row['runs']}, {row['failed']}",
+    }
+    if not spheres:
+        del columns["N2"]
+    return table(rows, columns)
+
+
+def limits(rows, least):
+    lines = []
+    for friction in FRICTION:
+        own = [row for row in rows if row["contact.friction"] == friction and number(row["fraction_placed"]) > least]
+        limit, low, high = jamming_with_interval(own)
+        lines.append({"friction": friction, "jamming": f"{limit:.3f}", "interval": f"{low:.3f} to {high:.3f}"})
+    return table(lines, {"friction": lambda row: row["friction"], "fraction at which it diverges": lambda row: row["jamming"],
+                         "95 % interval": lambda row: row["interval"]})
+
+
+def transient():
+    """Viscosity and parts against the strain since the reversal, means over the seeds."""
+    runs = []
+    for path in sorted((OUT / "reversal" / "runs").glob("*/series.csv")):
+        with open(path) as series:
+            rows = list(csv.DictReader(series))
+        turn = max(number(row["strain"]) for row in rows)
+        place = next(place for place, row in enumerate(rows) if number(row["strain"]) == turn)
+        runs.append([(turn - number(row["strain"]), row) for row in rows[place:]] + [("before", rows[place - 1])])
+    columns = ["viscosity", "viscosity_hydrodynamic", "viscosity_lubrication", "viscosity_contact", "viscosity_friction"]
+
+    def mean(strain, column):
+        values = []
+        for run in runs:
+            if strain == "before":
+                values.append(number(run[-1][1][column]))
+                continue
+            steps = [(at, number(row[column])) for at, row in run[:-1]]
+            after = next((place for place, (at, _) in enumerate(steps) if at >= strain), len(steps) - 1)
+            (left, low), (right, high) = steps[max(after - 1, 0)], steps[after]
+            values.append(low if right == left else low + (high - low) * (strain - left) / (right - left))
+        middle = sum(values) / len(values)
+        spread = math.sqrt(sum((value - middle) ** 2 for value in values) / max(len(values) - 1, 1) / len(values))
+        return f"{middle:.3g} +- {spread:.2g}"
+
+    strains = ["before", 0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8]
+    rows = [{"strain": str(strain), **{column: mean(strain, column) for column in columns}} for strain in strains]
+    names = ["viscosity", "flow", "films", "contacts", "friction"]
+    cells = {name: (lambda row, column=column: row[column]) for name, column in zip(names, columns)}
+    return table(rows, {"strain since the reversal": lambda row: row["strain"], **cells})
+
+
+def thickening(rows):
+    return table(rows, {
+        "stress over critical load": lambda row: f"{10.0 / number(row['contact.friction.critical_load']):.3g}",
+        "viscosity": lambda row: with_half_width(row, "viscosity"),
+        "contacts: normal": lambda row: with_half_width(row, "series.viscosity_contact"),
+        "tangential": lambda row: with_half_width(row, "series.viscosity_friction", 2),
+        "contacts a body": lambda row: f"{number(row['series.contact_number']):.2f}",
+    })
+
+
+def references(rows):
+    """Ours beside discrete elements with lubrication of the same scene (examples/study/discrete_elements.csv)."""
+    with open(HERE / "discrete_elements.csv") as file:
+        known = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    lines = []
+    for other in known:
+        same = [row for row in rows if row["contact.friction"] == other["friction"] and abs(number(row["bodies.0.fraction"]) - number(other["fraction"])) < 1e-9]
+        if same:
+            lines.append({**other, "ours": same[0]})
+    return table(lines, {
+        "fraction, friction": lambda row: f"{row['fraction']}, {row['friction']}",
+        "viscosity": lambda row: with_half_width(row["ours"], "viscosity"),
+        "discrete elements": lambda row: f"{row['viscosity']} +- {row['interval']}",
+        "contacts": lambda row: f"{number(row['ours']['series.viscosity_contact']) + number(row['ours']['series.viscosity_friction'] or '0'):.3g}",
+        "discrete elements: contacts": lambda row: row["contact"],
+        "flow and films": lambda row: flow_part(row["ours"]),
+        "discrete elements: films": lambda row: row["hydrodynamic"],
+        "N1": lambda row: with_half_width(row["ours"], "series.first_normal_difference", 2),
+        "over viscosity: ours": lambda row: f"{number(row['ours']['series.first_normal_difference']) / number(row['ours']['viscosity']):+.2f}",
+        "discrete elements: N1 over viscosity": lambda row: row["first"],
+    })
+
+
+def page(tables):
+    disks, spheres, _, loads = tables
+    parts = {
+        "DISKS": figures(disks, False),
+        "SPHERES": figures(spheres, True),
+        "DISKS_LIMITS": limits(disks, 0.45),
+        "SPHERES_LIMITS": limits(spheres, 0.25),
+        "REFERENCES": references(spheres),
+        "TRANSIENT": transient(),
+        "THICKENING": thickening(loads),
+    }
+    text = (DOCS / "parts" / "study.md").read_text()
+    for name, part in parts.items():
+        text = text.replace(f"{{{name}}}", part)
+    (DOCS / "study.md.part").write_text(text)
+    (DOCS / "study.md.part").replace(DOCS / "study.md")
+    for name in ("disks", "spheres", "thickening"):
+        shutil.copy(OUT / name / "sweep-viscosity.svg", DOCS / f"study-{name}.svg")
+
+
+def main():
+    program = sys.argv[1]
+    with ThreadPoolExecutor(2) as pool:
+        # the longest first
+        order = [1, 0, 2, 3]
+        jobs = {place: pool.submit(sweep, program, *SWEEPS[place]) for place in order}
+        tables = [jobs[place].result() for place in range(len(SWEEPS))]
+    page(tables)
+    print("docs/study.md")
+
+
+if __name__ == "__main__":
+    main()
