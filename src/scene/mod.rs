@@ -11,6 +11,7 @@ mod check;
 mod clusters;
 mod demand;
 mod difference;
+mod elsewhere;
 mod energy;
 mod entry;
 mod file;

@@ -3,6 +3,7 @@
 use toml_edit::{InlineTable, Value};
 
 use crate::error::{Error, Result};
+use crate::scene::elsewhere;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::locations::{Locations, join, written};
@@ -76,7 +77,7 @@ impl<'a> Table<'a> {
             Some((changes, known)) if 3 * changes <= name.chars().count() => {
                 format!("; did you mean {known}?")
             }
-            _ => ";".to_owned(),
+            _ => elsewhere::answer(name).map_or(";".to_owned(), |answer| format!("; {answer};")),
         };
         let message = format!("unknown key {}{guess} known keys: {}", written(&key), known.join(", "));
         self.locations.complain(&key, message)

@@ -18,6 +18,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(ranks_pack_disks_of_two_sizes_between_walls_as_one_does_alone),
         Test::of(ranks_pack_disks_whose_images_slide_as_one_does_alone),
         Test::of(ranks_pack_spheres_around_an_obstacle_as_one_does_alone),
+        Test::of(groups_of_several_sizes_fill_the_fraction_that_they_are_asked_for),
         Test::of(random_bodies_keep_clear_of_inflow_and_outflow_in_the_same_places_on_every_grid),
     ]
 }
@@ -73,4 +74,27 @@ fn random_bodies_keep_clear_of_inflow_and_outflow_in_the_same_places_on_every_gr
     let chains = centers(3.0, "chains = [{ count = 5, radius = 0.5, beads = 4, stretch = \"rigid\" }]\n");
     let room = 0.5 + 5.0 * 0.5 / 3.0 - 1e-9;
     assert!(coarse.len() == 57 && coarse.iter().chain(&chains).all(|center| (room..=16.0 - room).contains(&center[0])), "{coarse:?}");
+}
+
+/// Half the volume in bodies that are 1.4 times as large; cells count across the smallest body, in any unit of length.
+fn groups_of_several_sizes_fill_the_fraction_that_they_are_asked_for(_: &Session) {
+    fn placed<const D: usize>(size: f64, unit: f64, sizes: &str) -> Setup<D> {
+        let size = vec![(size * unit).to_string(); D].join(", ");
+        let text = format!(
+            "domain = {{ size = [{size}] }}\nresolution = {{ cells_per_radius = 4 }}\nflow = {{ drive = {{ shear_rate = 1.0 }} }}\n\
+             bodies = [{{ radius = {unit}, fraction = 0.4, sizes = {sizes} }}]\n"
+        );
+        Setup::<D>::of(&Scene::parse("sizes", Path::new("."), &text, &[]).unwrap()).unwrap()
+    }
+    let radii = |setup: &Setup<2>| setup.bodies.iter().map(|suspended| suspended.body.ball.radius).collect::<Vec<f64>>();
+    let disks = placed::<2>(40.0, 1.0, "{ ratio = 1.4, share = 0.5 }");
+    let area = |large: bool| radii(&disks).iter().filter(|radius| (**radius > 1.2) == large).map(|radius| radius * radius).sum::<f64>();
+    assert!((disks.fraction() - 0.4).abs() < 0.002 && (area(true) / area(false) - 1.0).abs() < 0.03, "{}", disks.fraction());
+    let scaled = placed::<2>(40.0, 1e-6, "{ ratio = 1.4, share = 0.5 }");
+    let alike = |(one, other): (&f64, f64)| (one - other * 1e6).abs() < 1e-12;
+    assert!(radii(&disks).iter().zip(radii(&scaled)).all(alike) && disks.bodies.len() == scaled.bodies.len());
+    let small = placed::<2>(40.0, 1.0, "[0.5, 1.0]");
+    assert!((small.spacing / 0.125 - 1.0).abs() < 0.03, "{}", small.spacing);
+    let spheres = placed::<3>(14.0, 1.0, "{ deviation = 0.2, smallest = 0.7, largest = 1.5 }");
+    assert!((spheres.fraction() - 0.4).abs() < 0.003, "{}", spheres.fraction());
 }

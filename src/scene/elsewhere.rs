@@ -1,0 +1,50 @@
+//! Words of other programs for what a scene says otherwise, or does not say: the answer to a key that is unknown.
+
+/// Words, and the answer to them, with keys of a scene between backticks.
+const ANSWERS: [(&[&str], &str); 18] = [
+    (&["dt", "timestep", "time_step", "deltat"], "the length of a step is `time.step`, automatic without it"),
+    (&["t_end", "tend", "end_time", "tmax", "duration"], "the end of a run is `time.end`"),
+    (&["viscosity", "eta", "nu", "dynamic_viscosity"], "the viscosity of the fluid is `flow.viscosity`"),
+    (&["rho", "fluid_density", "rho_f"], "the density of the fluid is `flow.density`, that of bodies `bodies.density`"),
+    (&["friction", "mu", "mu_s", "friction_coefficient"], "the coefficient of friction is `contact.friction`, that of a group `bodies.friction`"),
+    (&["restitution", "e_n"], "contacts are inelastic (`contact.model`): bodies do not rebound"),
+    (&["k_n", "kn", "k_t", "stiffness"], "contacts are rigid and have no stiffness; a repulsion that has one is `contact.model` = \"repulsion\" with `contact.stiffness`"),
+    (&["shear_rate", "shear", "gamma_dot", "rate"], "the shear rate is `flow.drive.shear_rate`"),
+    (&["shear_stress", "stress"], "a shear at a given stress is `flow.drive.shear_stress`"),
+    (&["phi", "volume_fraction", "concentration", "fraction"], "the fraction that a group fills is `bodies.fraction`"),
+    (&["n", "particles", "nparticles", "spheres", "disks"], "bodies are groups `bodies`, with `bodies.count` or `bodies.fraction`"),
+    (&["bidisperse", "polydispersity", "size_ratio"], "bodies of several sizes are `bodies.sizes`"),
+    (&["temperature", "kt", "brownian", "peclet"], "there is no Brownian motion"),
+    (&["ellipsoid", "aspect_ratio", "superquadric"], "bodies are disks and spheres; elongated ones are `clusters` of them"),
+    (&["reynolds", "re"], "the Reynolds number follows from `flow.density`, `flow.viscosity`, sizes and velocities, and is a column of series.csv"),
+    (&["boundary", "boundaries", "periodic", "bc"], "each axis has its own boundary: `domain.x`, `domain.y`, `domain.z`"),
+    (&["box", "lx", "ly", "lz"], "the edges of the box are `domain.size`"),
+    (&["dx", "h", "grid", "mesh", "nx", "cells"], "the grid follows from `resolution.cells_per_radius` or `resolution.spacing`"),
+];
+
+/// What to answer a key of this name, which the table at this path does not have.
+pub(super) fn answer(name: &str) -> Option<String> {
+    let name = name.to_lowercase();
+    let found = ANSWERS.iter().find(|(words, _)| words.contains(&name.as_str()));
+    found.map(|(_, answer)| answer.replace('`', ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SECTIONS;
+
+    #[test]
+    fn answers_name_keys_that_are_there_and_words_stand_once() {
+        let key = |path: &str| match path.rsplit_once('.') {
+            Some((section, name)) => SECTIONS.iter().any(|known| known.name == section && known.keys.iter().any(|key| key.name == name)),
+            None => SECTIONS.iter().any(|known| known.name == path),
+        };
+        for (_, answer) in &ANSWERS {
+            let named: Vec<&str> = answer.split('`').skip(1).step_by(2).collect();
+            assert!(named.iter().all(|path| key(path)), "{answer}");
+        }
+        let words: Vec<&str> = ANSWERS.iter().flat_map(|(words, _)| words.iter().copied()).collect();
+        assert!((1..words.len()).all(|place| !words[..place].contains(&words[place])));
+    }
+}
