@@ -3,7 +3,7 @@
 use crate::petsc::Session;
 
 /// Most contacts of an island that is gathered to one rank, where it takes about 4 kB a contact: 4 GB. On two ranks it is solved faster there than by
-/// both together, whose factorisations and sums wait for each other (docs/scaling.md, with 4,000 and with 25,000 contacts). What needs all ranks
+/// both together, whose factorisations and sums wait for each other (docs/notes/scaling.md, with 4,000 and with 25,000 contacts). What needs all ranks
 /// is the memory of more.
 const MOST_GATHERED: usize = 1_000_000;
 

@@ -18,7 +18,8 @@ fn root() -> &'static Path {
 
 /// The pages of the manual with their names, and pages beside it.
 fn pages() -> Vec<(PathBuf, String)> {
-    let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let folders = ["docs", "docs/notes"].map(|folder| fs::read_dir(root().join(folder)).unwrap());
+    let docs = folders.into_iter().flatten().map(|entry| entry.unwrap().path());
     let beside = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root().join(name));
     let pages = docs.filter(|path| path.extension().is_some_and(|ending| ending == "md")).chain(beside);
     pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()

@@ -158,7 +158,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         }
         resistances.add_links(layout, self.constraints.iter(), |constraint| constraint.compliance);
         let few = bodies.few_neighbours(&fixed.session);
-        // beside an approximate inverse, which misses as much of the pressure, they cost iterations (docs/crowds.md)
+        // beside an approximate inverse, which misses as much of the pressure, they cost iterations (docs/notes/crowds.md)
         let pores = if fixed.condensed { bodies.pores() } else { None };
         for &body in &layout.local_bodies {
             let part = match (&pores, fixed.setup.bodies[body].body.free()) {
