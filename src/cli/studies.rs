@@ -6,11 +6,11 @@ use crate::{
     error::Result,
     petsc::Session,
     study::{Conditioning, CostStudy, Inverses, ParameterSweep, PetscOptions, Scaling, StudyCommand, ViscosityStudy},
-    validation::Validation,
+    validation::{Doctor, Validation},
 };
 
 /// All of them; a new study is its file and a line here.
-pub fn studies() -> [StudyCommand; 7] {
+pub fn studies() -> [StudyCommand; 8] {
     [
         StudyCommand::alone::<Scaling>(),
         StudyCommand::alone::<CostStudy>(),
@@ -19,6 +19,7 @@ pub fn studies() -> [StudyCommand; 7] {
         StudyCommand::alone::<ParameterSweep>(),
         StudyCommand::on_ranks::<Validation>(),
         StudyCommand::on_ranks::<Conditioning>(),
+        StudyCommand::on_ranks::<Doctor>(),
     ]
 }
 

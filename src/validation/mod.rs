@@ -7,6 +7,7 @@ mod case;
 mod cases;
 mod channel;
 mod dense;
+mod doctor;
 mod falling;
 mod follow;
 mod inertia;
@@ -24,6 +25,7 @@ pub use self::{
     bars::random_scene,
     case::Case,
     cases::cases,
+    doctor::Doctor,
     known::{ErrorBar, KnownScene},
     scenes::known_scenes,
 };

@@ -232,6 +232,16 @@ fn a_wrong_command_line_ends_with_code_2() {
 }
 
 #[test]
+fn an_installation_is_checked_on_any_number_of_ranks() {
+    for ranks in [1, 2] {
+        let output = turbid(ranks, &["doctor"]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success() && text.contains(&format!("ranks       {ranks}")), "{text}");
+        assert_eq!(text.matches("known answer right").count(), 3, "{text}");
+    }
+}
+
+#[test]
 fn options_after_two_dashes_reach_petsc() {
     let here = folder("petsc-options");
     let scene = write(&here, SMALL_SUSPENSION);
