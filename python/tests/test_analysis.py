@@ -348,6 +348,9 @@ def test_the_mean_viscosity_is_that_of_the_program(long):
         assert quantities.loc[name, "last"] == series[name].iloc[-1]
         assert quantities.loc[name, "mean"] == pytest.approx(mean.value if mean else np.nan, rel=1e-9, abs=1e-12, nan_ok=True)
         assert quantities.loc[name, "half_width"] == pytest.approx(mean.half_width if mean else np.nan, rel=1e-9, nan_ok=True)
+    rheology = long.rheology
+    assert rheology.loc["viscosity", "value"] == pytest.approx(found.mean) and rheology.loc["viscosity", "half_width"] == pytest.approx(found.half_width)
+    assert {"first_normal_difference", "viscosity_hydrodynamic"} <= set(rheology.index) and "smallest_gap" not in rheology.index
     assert quantities.loc["shear_rate", "unit"] == "1/time"
     assert quantities.loc["shear_rate", "mean"] == pytest.approx(long.shear.rate, rel=1e-12)
     assert long.pair_distribution().configurations == long.summary["pairs"]["configurations"]

@@ -1,6 +1,6 @@
 //! What a run answers, in a few lines: the numbers that its scene is about. The terminal and the report show the same ones.
 
-use super::{MeanSpeed, MeanViscosity, Modulus, OscillationSummary, SettlingSummary, Summary, summary::ViscositySummary};
+use super::{MeanSpeed, MeanViscosity, Modulus, OscillationSummary, SettlingSummary, SteadyMean, Summary, summary::ViscositySummary};
 
 /// One line of an answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +29,7 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
     let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
     oscillation
         .chain(viscosity)
+        .chain(of_rheometry(summary))
         .chain(without)
         .chain(of_accuracy)
         .chain(of_forces(summary))
@@ -74,6 +75,29 @@ fn of_mean(mean: &MeanViscosity) -> Vec<Answer> {
     let value = format!("{:.DECIMALS$} ± {half} (95 %) from strain {from:.2} to {to:.2}", mean.relative);
     let parts = split(mean.relative, &mean.parts.in_words()).map(|parts| Answer::new("made up of", parts));
     [Answer::new("mean viscosity", value)].into_iter().chain(parts).collect()
+}
+
+/// Names of what a rheometer and a look at contacts tell besides the viscosity, with their columns.
+const RHEOMETRY: [(&str, &str); 4] = [
+    ("N1", "first_normal_difference"),
+    ("N2", "second_normal_difference"),
+    ("particle pressure", "particle_pressure"),
+    ("contacts of a body", "contact_number"),
+];
+
+/// Normal stresses over viscosity of the fluid and shear rate, and contacts, of a sheared suspension: means over the steady part, or what is at the end.
+fn of_rheometry(summary: &Summary) -> Vec<Answer> {
+    let when = if summary.steps > 0 { " at the end" } else { "" };
+    let line = |(name, column): (&'static str, &str)| {
+        let quantity = summary.quantities.get(column)?;
+        let value = match (&quantity.mean, quantity.last) {
+            (Some(SteadyMean { value, interval: [low, high], .. }), _) => format!("{} ± {} (95 %)", number(*value, 4), bar(0.5 * (high - low))),
+            (None, Some(last)) => number(last, 4) + when,
+            (None, None) => return None,
+        };
+        Some(Answer::new(name, value))
+    };
+    if summary.viscosity.is_some() { RHEOMETRY.into_iter().filter_map(line).collect() } else { Vec::new() }
 }
 
 /// The sum of parts in words, rounded such that what is written adds up; nothing for a single part.

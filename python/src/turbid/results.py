@@ -166,6 +166,21 @@ class Run:
         return pd.DataFrame.from_dict(rows, orient="index", columns=list(kinds)).astype(kinds).rename_axis("quantity")
 
     @property
+    def rheology(self) -> pd.DataFrame:
+        """What a rheometer measures, of a sheared suspension: viscosity with its parts, both normal stress differences, particle pressure, contacts of a
+        body. ``value`` is the mean over the steady part with the half width of its 95 % interval, or the last value, whose half width is not a number.
+
+        Raises:
+            Missing: The flow is no simple shear of free bodies.
+        """
+        known = self.quantities
+        first = ("viscosity", "first_normal_difference", "second_normal_difference", "particle_pressure", "contact_number")
+        rows = known[[name.startswith(first) for name in known.index]]
+        if "viscosity" not in rows.index:
+            raise Missing("viscosity: it takes free bodies in a simple shear")
+        return pd.DataFrame({"value": rows["mean"].fillna(rows["last"]), "half_width": rows["half_width"], "unit": rows["unit"], "meaning": rows["meaning"]})
+
+    @property
     def oscillation(self) -> dict[str, Any]:
         """What a shear that oscillates measures: moduli with intervals, complex viscosity, phase in degrees, harmonics (``oscillation`` of the summary).
 
