@@ -188,7 +188,8 @@ mod tests {
         for words in ["keys", "completions bash", "man"] {
             assert!(matches!(execute_alone(&parsed(&format!("turbid {words}"))), Some(Ok(()))), "{words}");
         }
-        let on_ranks = ["run a.toml", "resume o", "animate o", "view o", "plan a.toml", "lubrication", "validation", "conditioning", "doctor"];
+        let on_ranks =
+            ["run a.toml", "resume o", "animate o", "view o", "plan a.toml", "lubrication", "validation", "conditioning", "doctor"];
         for words in on_ranks {
             assert!(execute_alone(&parsed(&format!("turbid {words}"))).is_none(), "{words} takes no session");
         }

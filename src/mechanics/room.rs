@@ -38,7 +38,8 @@ pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize,
     if counts.iter().any(|&count| count > 0.0) {
         check_filling(scene, &Ends::of(scene, domain)?.between(domain), given, counts)?;
     }
-    let random = scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, count)| bodies.smallest_of(D, *count as usize));
+    let random =
+        scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, count)| bodies.smallest_of(D, *count as usize));
     let smallest = given.iter().map(|(_, ball)| ball.radius).chain(random).fold(f64::INFINITY, f64::min);
     check_grid(scene, domain, smallest)
 }

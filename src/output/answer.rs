@@ -91,7 +91,9 @@ fn of_rheometry(summary: &Summary) -> Vec<Answer> {
     let line = |(name, column): (&'static str, &str)| {
         let quantity = summary.quantities.get(column)?;
         let value = match (&quantity.mean, quantity.last) {
-            (Some(SteadyMean { value, interval: [low, high], .. }), _) => format!("{} ± {} (95 %)", number(*value, 4), bar(0.5 * (high - low))),
+            (Some(SteadyMean { value, interval: [low, high], .. }), _) => {
+                format!("{} ± {} (95 %)", number(*value, 4), bar(0.5 * (high - low)))
+            }
             (None, Some(last)) => number(last, 4) + when,
             (None, None) => return None,
         };

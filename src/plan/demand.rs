@@ -42,7 +42,10 @@ pub fn demand<const D: usize>(scene: &Scene, ranks: usize) -> Result<f64> {
     }
     let Some(resolution) = &scene.resolution else { return Ok(0.0) };
     let other = scene.bodies.iter().zip(&numbers).filter(|(group, _)| !matches!(group.placement, Placement::File(_)));
-    let smallest = other.map(|(group, number)| group.smallest_of(D, *number as usize)).chain(given.iter().map(|(_, ball)| ball.radius)).fold(f64::INFINITY, f64::min);
+    let smallest = other
+        .map(|(group, number)| group.smallest_of(D, *number as usize))
+        .chain(given.iter().map(|(_, ball)| ball.radius))
+        .fold(f64::INFINITY, f64::min);
     let spacing = resolution.spacing.length(smallest);
     if domain.size.sum() / spacing > MOST_ALONG {
         return Ok(f64::INFINITY);

@@ -13,7 +13,7 @@ use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
 use crate::scene::sections::friction;
-use crate::scene::sizes::Sizes;
+use crate::scene::sizes::SizeDistribution;
 use crate::scene::table::Table;
 
 /// Keys of `[[bodies]]` that exclude each other.
@@ -30,7 +30,7 @@ pub struct BodyGroup {
     /// The radius of each body, positive.
     pub radius: f64,
     /// How radii differ from it, if they do.
-    pub sizes: Option<Sizes>,
+    pub sizes: Option<SizeDistribution>,
     /// Where the bodies start.
     pub placement: Placement,
     /// How cells and clusters with given centers are turned at the start: in 2D an angle in radians, counterclockwise; in 3D a vector about which, by its
@@ -329,11 +329,11 @@ fn read_radius(table: &Table) -> Result<f64> {
     table.require("radius", "0.5")?.positive()
 }
 
-fn read_sizes(table: &Table, default: &BodyGroup) -> Result<Option<Sizes>> {
+fn read_sizes(table: &Table, default: &BodyGroup) -> Result<Option<SizeDistribution>> {
     let Some(entry) = table.get("sizes") else { return Ok(None) };
     let remedy = "only bodies placed by fraction or count differ so; remove it, or give the table of a file the column radius";
     entry.expect((), default.at_random(), remedy)?;
-    Sizes::read(&entry).map(Some)
+    SizeDistribution::read(&entry).map(Some)
 }
 
 fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {

@@ -105,12 +105,25 @@ pub(super) const SIZES_KEYS: [Key; 5] = [
         .default("0.5")
         .range("above 0, below 1")
         .needs(TWO_SIZES),
-    Key::new("deviation", "number", "0.2", "Standard deviation of the logarithm of the radii, whose median by number is the radius of the group.")
+    Key::new(
+        "deviation",
+        "number",
+        "0.2",
+        "Standard deviation of the logarithm of the radii, whose median by number is the radius of the group.",
+    )
+    .default("required")
+    .range("above 0, at most 2")
+    .needs(MANY_SIZES),
+    Key::new("smallest", "number", "0.5", "No body is smaller.")
+        .unit("radii of the group")
         .default("required")
-        .range("above 0, at most 2")
+        .range("0.01 to 100")
         .needs(MANY_SIZES),
-    Key::new("smallest", "number", "0.5", "No body is smaller.").unit("radii of the group").default("required").range("0.01 to 100").needs(MANY_SIZES),
-    Key::new("largest", "number", "2.0", "No body is larger.").unit("radii of the group").default("required").range("0.01 to 100").needs(MANY_SIZES),
+    Key::new("largest", "number", "2.0", "No body is larger.")
+        .unit("radii of the group")
+        .default("required")
+        .range("0.01 to 100")
+        .needs(MANY_SIZES),
 ];
 
 /// Where the keys of a log-normal distribution begin.
@@ -143,8 +156,7 @@ pub(super) const MOTION_KEYS: [Key; 7] = [
 ];
 
 const TWO_SIZES: &str = "bodies.0.count = 4; bodies.0.sizes.ratio = 1.2";
-const MANY_SIZES: &str =
-    "bodies.0.count = 4; bodies.0.sizes.deviation = 0.1; bodies.0.sizes.smallest = 0.8; bodies.0.sizes.largest = 1.2";
+const MANY_SIZES: &str = "bodies.0.count = 4; bodies.0.sizes.deviation = 0.1; bodies.0.sizes.smallest = 0.8; bodies.0.sizes.largest = 1.2";
 const TO_AND_FRO: &str = "time.end = 1.0; bodies.0.motion.amplitude = [0.1, 0.0]; bodies.0.motion.frequency = 1.0";
 
 /// Where the keys of an oscillating motion begin, and where those of a path.

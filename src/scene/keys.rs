@@ -14,7 +14,7 @@ use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
     AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,
     Drive, FlowModel, FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement,
-    ResolutionSection, Scene, Scheme, Shape, Step, TimeSection, Until,
+    ResolutionSection, Scene, Scheme, Shape, SizeDistribution, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.
@@ -97,7 +97,7 @@ fn pair(key: &str, value: impl Display) -> (String, String) {
     (key.to_owned(), value.to_string())
 }
 
-pub(super) fn number(key: &str, value: f64) -> (String, String) {
+fn number(key: &str, value: f64) -> (String, String) {
     // a float that looks like an integer may be too long for one
     let text = if value.abs() < 1e15 { value.to_string() } else { format!("{value:?}") };
     (key.to_owned(), text.replace("NaN", "nan"))
@@ -112,7 +112,7 @@ fn text(key: &str, value: &str) -> (String, String) {
     pair(key, Value::from(value))
 }
 
-pub(super) fn list(key: &str, value: &[f64]) -> (String, String) {
+fn list(key: &str, value: &[f64]) -> (String, String) {
     (key.to_owned(), format!("{value:?}").replace("NaN", "nan"))
 }
 
@@ -246,7 +246,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         (None, None) => vec![word("shape", "ball")],
     };
     keys.push(number("radius", *radius));
-    keys.extend(sizes.iter().flat_map(Sizes::keys));
+    keys.extend(sizes.iter().flat_map(of_sizes));
     keys.extend(match placement {
         Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", *gap)],
         Placement::Count(count) => vec![pair("count", count), number("gap", *gap)],
@@ -265,6 +265,16 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         numbers => list(key, numbers),
     }));
     keys
+}
+
+fn of_sizes(sizes: &SizeDistribution) -> Keys {
+    match sizes {
+        SizeDistribution::List(radii) => vec![list("sizes", radii)],
+        SizeDistribution::Bidisperse { ratio, share } => vec![number("sizes.ratio", *ratio), number("sizes.share", *share)],
+        SizeDistribution::LogNormal { deviation, smallest, largest } => {
+            vec![number("sizes.deviation", *deviation), number("sizes.smallest", *smallest), number("sizes.largest", *largest)]
+        }
+    }
 }
 
 fn of_chain(chain: &Chain) -> Keys {

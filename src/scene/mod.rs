@@ -41,7 +41,7 @@ pub use sections::{
     LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step,
     TimeSection, Tolerance, Until,
 };
-pub use sizes::Sizes;
+pub use sizes::SizeDistribution;
 
 use crate::error::Error;
 

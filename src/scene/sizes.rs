@@ -9,7 +9,6 @@ use crate::{
     scene::{
         entry::Entry,
         group_keys::{LOGNORMAL, SIZES_KEYS},
-        keys::{Keys, list, number},
         table::Table,
     },
 };
@@ -19,7 +18,7 @@ const WIDEST: f64 = 100.0;
 
 /// The distribution of the radii of bodies that are placed at random, in units of the radius of their group.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Sizes {
+pub enum SizeDistribution {
     /// These radii, each of which fills the same part of the volume of the bodies.
     List(Vec<f64>),
     /// The radius of the group, and `ratio` times that, which fills the part `share` of the volume of the bodies.
@@ -40,19 +39,25 @@ pub enum Sizes {
     },
 }
 
-impl Sizes {
-    pub(super) fn read(entry: &Entry) -> Result<Sizes> {
+impl SizeDistribution {
+    pub(super) fn read(entry: &Entry) -> Result<SizeDistribution> {
         let ratio = |entry: &Entry| {
             let ratio = entry.positive()?;
-            entry.expect(ratio, (1.0 / WIDEST..=WIDEST).contains(&ratio), &format!("must be from {} to {WIDEST} times the radius", 1.0 / WIDEST))
+            entry.expect(
+                ratio,
+                (1.0 / WIDEST..=WIDEST).contains(&ratio),
+                &format!("must be from {} to {WIDEST} times the radius", 1.0 / WIDEST),
+            )
         };
         if let Value::Array(_) = entry.value {
             let radii = entry.list()?;
             entry.expect((), !radii.is_empty(), "must hold at least one radius")?;
-            return Ok(Sizes::List(radii.iter().map(ratio).collect::<Result<_>>()?));
+            return Ok(SizeDistribution::List(radii.iter().map(ratio).collect::<Result<_>>()?));
         }
         if !entry.value.is_inline_table() {
-            return Err(entry.mistyped("a list of radii, { ratio = 1.4, share = 0.5 } or { deviation = 0.2, smallest = 0.5, largest = 2.0 }"));
+            return Err(
+                entry.mistyped("a list of radii, { ratio = 1.4, share = 0.5 } or { deviation = 0.2, smallest = 0.5, largest = 2.0 }")
+            );
         }
         if Table::of(entry, &SIZES_KEYS)?.get("ratio").is_some() {
             let table = Table::of(entry, &SIZES_KEYS[..LOGNORMAL])?;
@@ -61,7 +66,7 @@ impl Sizes {
                 entry.expect(share, share > 0.0 && share < 1.0, "must lie between 0 and 1")
             };
             let share = table.get("share").map_or(Ok(0.5), part)?;
-            return Ok(Sizes::Bidisperse { ratio: ratio(&table.require("ratio", "1.4")?)?, share });
+            return Ok(SizeDistribution::Bidisperse { ratio: ratio(&table.require("ratio", "1.4")?)?, share });
         }
         let table = Table::of(entry, &SIZES_KEYS[LOGNORMAL..])?;
         let bound = |name, example| ratio(&table.require(name, example)?);
@@ -70,18 +75,7 @@ impl Sizes {
         let deviation = table.require("deviation", "0.2")?;
         let wide = deviation.positive()?;
         deviation.expect((), wide <= 2.0, "must be 2 at most")?;
-        Ok(Sizes::LogNormal { deviation: wide, smallest, largest })
-    }
-
-    /// As a scene file writes them.
-    pub(super) fn keys(&self) -> Keys {
-        match self {
-            Sizes::List(radii) => vec![list("sizes", radii)],
-            Sizes::Bidisperse { ratio, share } => vec![number("sizes.ratio", *ratio), number("sizes.share", *share)],
-            Sizes::LogNormal { deviation, smallest, largest } => {
-                vec![number("sizes.deviation", *deviation), number("sizes.smallest", *smallest), number("sizes.largest", *largest)]
-            }
-        }
+        Ok(SizeDistribution::LogNormal { deviation: wide, smallest, largest })
     }
 
     /// The radii of so many bodies, ascending: each is the middle of an equal part of the distribution, so that they depend on no seed.
@@ -93,12 +87,12 @@ impl Sizes {
     pub fn radius_of(&self, dimension: usize, body: usize, count: usize) -> f64 {
         let part = (body as f64 + 0.5) / count as f64;
         match self {
-            Sizes::LogNormal { deviation, smallest, largest } => {
+            SizeDistribution::LogNormal { deviation, smallest, largest } => {
                 let below = |radius: f64| 0.5 * libm::erfc(-radius.ln() / (deviation * SQRT_2));
                 let [first, last] = [*smallest, *largest].map(below);
                 bisect(below, first + (last - first) * part, [*smallest, *largest])
             }
-            Sizes::List(_) | Sizes::Bidisperse { .. } => {
+            SizeDistribution::List(_) | SizeDistribution::Bidisperse { .. } => {
                 let kinds = self.kinds(dimension);
                 kinds[kinds.partition_point(|kind| kind.until < part).min(kinds.len() - 1)].radius
             }
@@ -108,9 +102,9 @@ impl Sizes {
     /// The least radius that is possible.
     pub fn smallest(&self) -> f64 {
         match self {
-            Sizes::List(radii) => radii.iter().copied().fold(f64::INFINITY, f64::min),
-            Sizes::Bidisperse { ratio, .. } => ratio.min(1.0),
-            Sizes::LogNormal { smallest, .. } => *smallest,
+            SizeDistribution::List(radii) => radii.iter().copied().fold(f64::INFINITY, f64::min),
+            SizeDistribution::Bidisperse { ratio, .. } => ratio.min(1.0),
+            SizeDistribution::LogNormal { smallest, .. } => *smallest,
         }
     }
 
@@ -119,8 +113,8 @@ impl Sizes {
         const MANY: usize = 4096;
         let power = |radius: &f64| radius.powi(dimension as i32);
         match self {
-            Sizes::LogNormal { .. } => self.radii(dimension, MANY).iter().map(power).sum::<f64>() / MANY as f64,
-            Sizes::List(_) | Sizes::Bidisperse { .. } => {
+            SizeDistribution::LogNormal { .. } => self.radii(dimension, MANY).iter().map(power).sum::<f64>() / MANY as f64,
+            SizeDistribution::List(_) | SizeDistribution::Bidisperse { .. } => {
                 let kinds = self.kinds(dimension);
                 let before = std::iter::once(0.0).chain(kinds.iter().map(|kind| kind.until));
                 kinds.iter().zip(before).map(|(kind, before)| (kind.until - before) * power(&kind.radius)).sum()
@@ -131,11 +125,12 @@ impl Sizes {
     /// Few radii, ascending, with the part by number of the bodies that are no larger.
     fn kinds(&self, dimension: usize) -> Vec<Kind> {
         let shares = match self {
-            Sizes::List(radii) => radii.iter().map(|radius| (*radius, 1.0)).collect(),
-            Sizes::Bidisperse { ratio, share } => vec![(1.0, 1.0 - share), (*ratio, *share)],
-            Sizes::LogNormal { .. } => Vec::new(),
+            SizeDistribution::List(radii) => radii.iter().map(|radius| (*radius, 1.0)).collect(),
+            SizeDistribution::Bidisperse { ratio, share } => vec![(1.0, 1.0 - share), (*ratio, *share)],
+            SizeDistribution::LogNormal { .. } => Vec::new(),
         };
-        let mut numbers: Vec<(f64, f64)> = shares.into_iter().map(|(radius, share)| (radius, share / radius.powi(dimension as i32))).collect();
+        let mut numbers: Vec<(f64, f64)> =
+            shares.into_iter().map(|(radius, share)| (radius, share / radius.powi(dimension as i32))).collect();
         numbers.sort_by(|one, other| one.0.total_cmp(&other.0));
         let all: f64 = numbers.iter().map(|(_, number)| number).sum();
         let mut until = 0.0;
@@ -171,10 +166,10 @@ mod tests {
     fn sizes_fill_the_parts_of_the_volume_that_they_are_given() {
         for dimension in [2, 3] {
             let power = |radius: &f64| radius.powi(dimension as i32);
-            let radii = Sizes::Bidisperse { ratio: 1.4, share: 0.25 }.radii(dimension, 10_000);
+            let radii = SizeDistribution::Bidisperse { ratio: 1.4, share: 0.25 }.radii(dimension, 10_000);
             let large: f64 = radii.iter().filter(|radius| **radius > 1.2).map(power).sum();
             assert!((large / radii.iter().map(power).sum::<f64>() - 0.25).abs() < 1e-3);
-            let sizes = Sizes::List(vec![2.0, 1.0, 3.0]);
+            let sizes = SizeDistribution::List(vec![2.0, 1.0, 3.0]);
             let radii = sizes.radii(dimension, 10_000);
             let volume: f64 = radii.iter().map(power).sum();
             for size in [1.0, 2.0, 3.0] {
@@ -188,14 +183,14 @@ mod tests {
     /// Moments of a log-normal distribution that is hardly cut: mean of `r^n` is `exp(n^2 s^2 / 2)`.
     #[test]
     fn log_normal_radii_have_the_moments_of_their_distribution() {
-        let sizes = Sizes::LogNormal { deviation: 0.2, smallest: 0.2, largest: 5.0 };
+        let sizes = SizeDistribution::LogNormal { deviation: 0.2, smallest: 0.2, largest: 5.0 };
         let radii = sizes.radii(3, 20_000);
         let moment = |power: i32| radii.iter().map(|radius| radius.powi(power)).sum::<f64>() / radii.len() as f64;
         for power in 1..4 {
             let exact = (0.5 * f64::from(power * power) * 0.04).exp();
             assert!((moment(power) / exact - 1.0).abs() < 1e-3, "{power}: {} for {exact}", moment(power));
         }
-        let cut = Sizes::LogNormal { deviation: 0.5, smallest: 0.8, largest: 1.25 }.radii(2, 101);
+        let cut = SizeDistribution::LogNormal { deviation: 0.5, smallest: 0.8, largest: 1.25 }.radii(2, 101);
         assert!(cut[0] > 0.8 && cut[100] < 1.25 && (cut[50] - 1.0).abs() < 1e-9);
         assert!((sizes.mean_volume(3) / moment(3) - 1.0).abs() < 1e-3);
     }

@@ -35,7 +35,10 @@ impl Study<Session> for Doctor {
         say(&format!("cores       {cores} that a rank may use"))?;
         say(&format!("threads     {}", threads(env::var("OMP_NUM_THREADS").ok().as_deref())))?;
         say(&format!("memory      {} free", memory_in_words(free)))?;
-        say(&format!("ffmpeg      {}", if ffmpeg_present() { "found" } else { "not found: turbid animate writes APNG and GIF, no MP4 or WebM" }))?;
+        say(&format!(
+            "ffmpeg      {}",
+            if ffmpeg_present() { "found" } else { "not found: turbid animate writes APNG and GIF, no MP4 or WebM" }
+        ))?;
         let mut kept = true;
         for case in self_test() {
             let start = Instant::now();
@@ -44,11 +47,16 @@ impl Study<Session> for Doctor {
             let right = error.abs() <= case.tolerance;
             kept &= right;
             let (word, off, most) = (if right { "right" } else { "WRONG" }, 100.0 * error, 100.0 * case.tolerance);
-            say(&format!("known answer {word}: {} ({}), {off:+.3} % off, {most:.3} % at most, {seconds:.2} s", case.name, case.resolution))?;
+            say(&format!(
+                "known answer {word}: {} ({}), {off:+.3} % off, {most:.3} % at most, {seconds:.2} s",
+                case.name, case.resolution
+            ))?;
         }
         match kept {
             true => Ok(()),
-            false => Err(Error::Diverged("a known answer is further off than promised: this build or one of its libraries is faulty".into())),
+            false => {
+                Err(Error::Diverged("a known answer is further off than promised: this build or one of its libraries is faulty".into()))
+            }
         }
     }
 }
@@ -90,6 +98,8 @@ mod tests {
     #[test]
     fn more_ranks_than_cores_and_threads_are_told() {
         assert!(crowded(4, 2).contains("more than cores") && crowded(2, 2).is_empty());
-        assert!(threads(None).contains("not set") && threads(Some("8")).contains("set it to 1") && threads(Some("1")).starts_with("1 a rank"));
+        assert!(
+            threads(None).contains("not set") && threads(Some("8")).contains("set it to 1") && threads(Some("1")).starts_with("1 a rank")
+        );
     }
 }

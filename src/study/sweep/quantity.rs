@@ -135,9 +135,7 @@ impl SweepQuantity {
             SweepQuantity::Drag => drag(&summary, &SceneProperties::of(scene)?.held).map(|value| Reading::of(value, last)),
             SweepQuantity::Settling(direction) if summary.in_time() => settled(direction, &Columns::read(&series)?),
             SweepQuantity::Settling(direction) => settling_now(&summary, direction).map(|value| Reading::of(value, last)),
-            SweepQuantity::Column(name) => {
-                TimeMean::of_second_half(&Columns::read(&series)?.curve("time", name)).map(Reading::second_half)
-            }
+            SweepQuantity::Column(name) => TimeMean::of_second_half(&Columns::read(&series)?.curve("time", name)).map(Reading::second_half),
             SweepQuantity::Last(name) => {
                 Columns::read(&series)?.curve("time", name).last().map(|(_, value)| Reading::of(*value, Over::End))
             }
