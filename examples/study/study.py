@@ -189,7 +189,16 @@ def references(rows):
     })
 
 
-def page(tables):
+def dry(program, name):
+    """What one of the dry studies beside this one prints."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    done = subprocess.run([sys.executable, str(HERE / f"{name}.py"), program], stdout=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{name}.py ended with {done.returncode}")
+    return done.stdout.strip()
+
+
+def page(tables, granular, collapse):
     disks, spheres, _, loads = tables
     parts = {
         "DISKS": figures(disks, False),
@@ -199,6 +208,8 @@ def page(tables):
         "REFERENCES": references(spheres),
         "TRANSIENT": transient(),
         "THICKENING": thickening(loads),
+        "GRANULAR": granular,
+        "COLLAPSE": collapse,
     }
     text = (DOCS / "parts" / "study.md").read_text()
     for name, part in parts.items():
@@ -215,8 +226,9 @@ def main():
         # the longest first
         order = [1, 0, 2, 3]
         jobs = {place: pool.submit(sweep, program, *SWEEPS[place]) for place in order}
+        granular, collapse = (pool.submit(dry, program, name) for name in ("granular", "collapse"))
         tables = [jobs[place].result() for place in range(len(SWEEPS))]
-    page(tables)
+    page(tables, granular.result(), collapse.result())
     print("docs/study.md")
 
 
