@@ -422,7 +422,8 @@ mod tests {
     #[test]
     fn a_scene_that_is_built_is_that_of_its_file() {
         let folders = ["examples", "examples/bench", "examples/cost", "examples/study"];
-        let examples = folders.into_iter().flat_map(|folder| std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).unwrap());
+        let examples =
+            folders.into_iter().flat_map(|folder| std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).unwrap());
         let scenes = examples.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|ending| ending == "toml"));
         let mut count = 0;
         for path in scenes {
