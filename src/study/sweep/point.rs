@@ -208,7 +208,6 @@ mod tests {
                 Estimate::of("a", &readings).interval.is_some_and(|[low, high]| low < 0.0 && 0.0 < high)
             });
             let part = held.count() as f64 / 400.0;
-            println!("{seeds} runs: {part}");
             assert!((0.92..0.99).contains(&part), "{seeds} runs: {part}");
         }
     }
