@@ -218,7 +218,7 @@ fn check_lubrication(scene: &Scene) -> Result<()> {
         (LubricationModel::None, _) => return Ok(()),
         (_, _) if scene.dry() => "needs a fluid; set contact.model = \"gluey\" or remove it",
         (_, ConstraintMethod::Sharp) => return Ok(()),
-        _ => "knows what the modes of the sharp method miss, and no other method; set method.constraint = \"sharp\"",
+        _ => "corrects the modes of the sharp method, and of no other; set method.constraint = \"sharp\"",
     };
     Err(scene.refuse("lubrication.model", "\"pairwise\"", remedy))
 }
@@ -354,7 +354,7 @@ fn check_reference(scene: &Scene) -> Result<()> {
     expect(scene.time.is_some(), "coefficients of drag and lift are told over time; add [time] or remove it")?;
     expect(scene.flow.density > 0.0, "coefficients of drag and lift are forces over those of inertia; give flow.density or remove it")?;
     let held = scene.bodies.iter().any(|bodies| bodies.motion != Motion::Free);
-    expect(held, "coefficients are told of bodies whose motion is given, and there are none; set bodies.motion or remove it")
+    expect(held, "coefficients need bodies with prescribed motion, and there are none; set bodies.motion or remove it")
 }
 
 /// Whether a background shear or sliding walls across the only axis that has walls shear the box.

@@ -13,8 +13,8 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
         "\"inelastic\"",
         "The law of contact. Inelastic: nothing overlaps, \
-        nothing rebounds, friction as asked for. Repulsion: a smooth force before touch. Gluey: what was pressed together sticks until it was pulled \
-        apart as much.",
+        nothing rebounds, friction as asked for. Repulsion: a smooth force before touch. Gluey: sticky contact, what was pressed together \
+        sticks until it was pulled apart as much.",
     )
     .default("\"none\"")
     .needs("time.end = 1.0"),

@@ -34,7 +34,7 @@ impl Metric {
         let of = self.quantity.body.map_or(String::new(), |body| format!(" of body {body}"));
         match self.quantity.kind {
             QuantityKind::Drag if self.quantity.body.is_none() && self.properties.held.iter().filter(|&&held| held).count() > 1 => {
-                "drag: magnitude of the mean force on the held bodies".into()
+                "drag: magnitude of the mean force on the bodies with prescribed motion".into()
             }
             QuantityKind::Drag => format!("drag{of}: magnitude of the force by the fluid"),
             QuantityKind::Resistance => "resistance: mean pressure gradient over viscosity and mean velocity".into(),
