@@ -77,7 +77,7 @@ fn check_inertia(scene: &Scene, accuracy: f64) -> Result<()> {
     let free = scene.bodies.iter().filter(|group| group.motion == Motion::Free).map(BodyGroup::at_least).sum::<usize>();
     if free > 1 && scene.contact.model != ContactModel::None {
         return refuse(
-            "is not met with inertia by free bodies that touch, which go ways that differ from grid to grid by more than any error; give [resolution] instead",
+            "is not met with inertia by free bodies that touch, whose trajectories differ between grids by more than any error; give [resolution] instead",
         );
     }
     Ok(())

@@ -55,7 +55,7 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         .default("0.1")
         .range("above 0")
         .needs("time.end = 1.0; contact.model = \"repulsion\""),
-    Key::new("gamma_min", "number", "-0.5", "Least memory of a contact, beyond which it remembers no more.")
+    Key::new("gamma_min", "number", "-0.5", "Lower bound of the memory of a contact.")
         .unit("impulse over viscosity; dry: velocity")
         .default("no bound")
         .range("at most 0")

@@ -74,7 +74,8 @@ impl Metric {
             QuantityKind::Position => self.each(&summary.0["bodies"], |body| numbers(&body["center"])),
             QuantityKind::Field | QuantityKind::Gradient => return self.lattice(&folder.join("probe.csv")),
         };
-        values.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.quantity.kind.word())))
+        values
+            .ok_or_else(|| Error::refused(format!("--quantity {}: the run does not report it; choose another", self.quantity.kind.word())))
     }
 
     /// Numbers of the bodies whose mean force is the drag.

@@ -144,7 +144,7 @@ impl SweepQuantity {
             }
         };
         let finite = found.filter(|reading| reading.value.is_finite());
-        finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.name())))
+        finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not report it; choose another", self.name())))
     }
 }
 
