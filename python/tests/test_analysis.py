@@ -294,7 +294,7 @@ def test_a_curve_without_a_mean_says_why():
     x = np.arange(400) / 100
     for y, least, reason in [
         (x, 0.0, "it still drifts"),
-        (np.ones(400), 10.0, "its steady part does not tell how far it fluctuates"),
+        (np.ones(400), 10.0, "its steady part is too short to estimate its fluctuations"),
         (np.cos(1.7 * x), 0.0, "its fluctuations last too long"),
     ]:
         assert turbid.steady_mean(x, y, least) is None and turbid.shortage(x, y, least) == reason

@@ -52,7 +52,7 @@ pub fn lubrication(world: &World, arguments: &LubricationArguments) -> Result<()
 fn text(table: &FilmTable) -> String {
     let columns = ["approach", "slip", "cross", "roll"];
     let mut text = format!(
-        "Resistance over viscosity, lengths in radii of the first body; films act below a gap of {:.3}\n\n{:>8}",
+        "Resistance over viscosity, lengths in radii of the first body; lubrication films act below a gap of {:.3}\n\n{:>8}",
         table.reach(),
         "gap"
     );

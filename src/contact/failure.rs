@@ -101,7 +101,7 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
         Outcome::Infeasible => {
             let motion = if given.len() == 1 { "motion" } else { "motions" };
             format!(
-                "bodies are squeezed with no way out by given {motion} ({}); change the {motion}, or end before",
+                "bodies are squeezed with no way out by prescribed {motion} ({}); change the {motion}, or end before",
                 named(problem, &given)
             )
         }

@@ -33,7 +33,7 @@ impl<const D: usize> Interaction<D> for Gluey {
 
     fn describe(&self) -> String {
         let least = if self.least.is_finite() { format!("down to {}", self.least) } else { "without limit".into() };
-        format!("gluey, one quadratic program a step, split into islands, and a memory for each contact that sticks, {least}")
+        format!("sticky (gluey), one quadratic program a step, split into islands, and a memory for each contact that sticks, {least}")
     }
 
     fn contact(&self) -> ContactLaw<'_, D> {

@@ -39,7 +39,7 @@ impl<const D: usize> Interaction<D> for Lubrication {
     fn describe(&self) -> String {
         let (roughness, pores) = (self.roughness, if D == 2 { " and the pores between them" } else { "" });
         format!(
-            "what modes miss of films between near bodies and walls, pair by pair; no gap below {roughness} radii; \
+            "resistance of lubrication films that modes do not resolve, pair by pair, walls included; no gap below {roughness} radii; \
              one sparse matrix of the bodies' motions{pores} preconditions it"
         )
     }

@@ -250,7 +250,7 @@ fn joined<const D: usize>(
     (beads, mut balls): (usize, Vec<Ball<D>>),
 ) -> Result<Vec<Ball<D>>> {
     if balls.len() % beads != 0 {
-        let remedy = format!("is not the number of beads of whole chains; its table has {} centers", balls.len());
+        let remedy = format!("is not the number of beads of whole chains; its table has {} centres", balls.len());
         return Err(scene.refuse(&format!("{}.beads", scene.group_key(group)), beads, &remedy));
     }
     for chain in balls.chunks_mut(beads) {

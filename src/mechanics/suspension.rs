@@ -112,7 +112,7 @@ impl<const D: usize> Suspension<D> {
     /// [`Error::Refused`] when the inverse of the fluid is not exact: the fluid is then no part that can be eliminated.
     pub fn conditions(&mut self) -> Result<Conditions> {
         if !self.fixed.condensed {
-            return Err(Error::refused("condition numbers on the multipliers take an exact inverse of the fluid (transform)"));
+            return Err(Error::refused("condition numbers on the multipliers need an exact Stokes solver (transform)"));
         }
         let (centers, fixed) = (self.fixed.setup.centers(), &self.fixed);
         let welds = fixed.setup.interactions.welds(&centers);

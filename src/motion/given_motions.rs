@@ -97,7 +97,7 @@ impl<const D: usize> GivenStep<'_, D> {
     fn refusal(&self, meeting: &Meeting<D>) -> Error {
         let time = self.state.time + meeting.time;
         Error::Diverged(format!(
-            "at time {time:.6} {} meet, and overlap by {:.1e} before time {:.6}: motions that are given yield to no force; change them, or set time.end = \
+            "at time {time:.6} {} meet, and overlap by {:.1e} before time {:.6}: prescribed motions yield to no force; change them, or set time.end = \
              {time:.6} at most",
             meeting.names(),
             meeting.overlap,

@@ -404,7 +404,7 @@ impl<const D: usize> Simulation<D> {
             return Ok(());
         }
         let remedy = "bodies are too fast for steps that follow them: choose weaker forces, other units or a fixed time.step";
-        Err(Error::Diverged(format!("at time {time} a step of {step:.3e} leads nowhere before time.end = {end}; {remedy}")))
+        Err(Error::Diverged(format!("at time {time} a step of {step:.3e} is too short to reach time.end = {end}; {remedy}")))
     }
 
     /// Lets images slide to where they are now.

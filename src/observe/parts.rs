@@ -37,7 +37,7 @@ impl Part {
     pub fn meaning(self) -> &'static str {
         match self {
             Part::Hydrodynamic => "1 plus the part of the resolved stresslets",
-            Part::Lubrication => "part of the films that multipliers do not see",
+            Part::Lubrication => "part of the lubrication films that multipliers do not resolve",
             Part::Interaction => {
                 "part of forces at a distance: repulsion, forces of one's own, given torques (half the couple per volume) and, between walls, given \
                  forces along them (less force times height over the middle)"

@@ -134,7 +134,7 @@ fn of_forces(summary: &Summary) -> Vec<Answer> {
     let Some(forces) = &summary.forces else { return Vec::new() };
     let (name, of) = match forces.bodies {
         1 => ("force on the body", "by the fluid".to_owned()),
-        count => ("mean force", format!("by the fluid on each of {count} bodies whose motion is given")),
+        count => ("mean force", format!("by the fluid on each of {count} bodies with prescribed motion")),
     };
     let mut lines = vec![Answer::new(name, format!("{}   ({of})", vector(&forces.mean)))];
     lines.extend(forces.drag_ratio.map(|ratio| match forces.mean.len() {

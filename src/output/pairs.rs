@@ -24,7 +24,7 @@ fn chart(title: &str, distribution: &PairDistribution) -> String {
         |two: &PartialDistribution| Series { name: format!("radii {} and {}", two.radii[0], two.radii[1]), points: two.radial.clone() };
     let all = Series { name: if distribution.partial.is_empty() { "g(r)" } else { "all" }.into(), points: distribution.radial.clone() };
     let series = std::iter::once(all).chain(distribution.partial.iter().map(of_two)).collect();
-    let (x, y) = ("separation of centers over the sum of the radii, r", "pair distribution g(r)");
+    let (x, y) = ("separation of centres over the sum of the radii, r", "pair distribution g(r)");
     let levels = vec![Level { y: 1.0, name: "at random".into() }];
     Chart { title: title.into(), x: x.into(), y: y.into(), scale: Scale::Linear, series }.annotated(&Notes { levels, ..Notes::default() })
 }

@@ -38,8 +38,8 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     let steps = counted(summary.steps, "step", "steps");
     let [shortest, longest] = motion.steps;
     let (grown, shrunk) = (motion.grown, motion.shrunk);
-    let halved = if motion.halved > 0 { format!("; {} times a step led nowhere and was halved", motion.halved) } else { String::new() };
-    let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} longer than the one before, {shrunk} shorter{halved}");
+    let halved = if motion.halved > 0 { format!("; {} repeated with half the length", motion.halved) } else { String::new() };
+    let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} lengthened, {shrunk} shortened{halved}");
     let mut lines = vec![format!("time                 {} in {steps} {lengths}", plain(summary.time))];
     if motion.solves > 0 {
         let mean = motion.iterations as f64 / motion.solves as f64;
@@ -48,7 +48,7 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     let named = [motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds];
     let [assembly, flow, contacts, files, rest] = parts_of_seconds(motion.seconds, named);
     lines.push(format!(
-        "seconds              {:.2}: {assembly} jump assembly, {flow} flow, {contacts} contacts, {files} files, {rest} rest",
+        "seconds              {:.2}: {assembly} assembly, {flow} flow, {contacts} contacts, {files} files, {rest} rest",
         motion.seconds
     ));
     lines
@@ -122,7 +122,7 @@ fn solver_lines(solver: &SolverSummary, instant: bool) -> Vec<String> {
     if instant {
         lines.push(format!("iterations           {} to a residual of {:.1e}", solver.iterations, solver.residual));
         lines.push(format!(
-            "seconds              {:.2} set-up, {:.2} jump assembly, {:.2} solve ({:.2} {}, {:.2} matrices, {:.2} surfaces, {:.2} Krylov)",
+            "seconds              {:.2} set-up, {:.2} assembly, {:.2} solve ({:.2} {}, {:.2} matrices, {:.2} surfaces, {:.2} Krylov)",
             solver.setup_seconds,
             solver.assembly_seconds,
             solver.solve_seconds,

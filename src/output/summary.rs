@@ -446,7 +446,7 @@ impl InertiaSummary {
 impl EnergySummary {
     /// In words.
     pub fn text(&self) -> String {
-        let films = self.dissipated_films.map_or(String::new(), |films| format!(", films {films:.4e}"));
+        let films = self.dissipated_films.map_or(String::new(), |films| format!(", in lubrication films {films:.4e}"));
         let turned = [self.work, self.dissipated, self.gained].into_iter().fold(0.0, |most: f64, part| most.max(part.abs()));
         let part = if turned > 0.0 { 100.0 * self.unbalanced / turned } else { 0.0 };
         format!(

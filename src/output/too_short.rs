@@ -20,7 +20,7 @@ impl TooShort {
     pub fn of(unit: &'static str, shortage: Shortage) -> TooShort {
         let reason = match shortage {
             Shortage::FewSamples(_) => "it has too few steps",
-            Shortage::Length(_) => "its steady part does not tell how far it fluctuates",
+            Shortage::Length(_) => "its steady part is too short to estimate its fluctuations",
             Shortage::Drift(_) => "it still drifts",
             Shortage::Memory(_) => "its fluctuations last too long",
         };

@@ -67,7 +67,7 @@ const FILES: [&str; 40] = [
 pub const KNOWN_FILES: [(&str, &str); 34] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
-    ("forces.csv", "forces on bodies whose motion is given, a row for each step"),
+    ("forces.csv", "forces on bodies with prescribed motion, a row for each step"),
     ("energy.csv", "the balance of energy, a row for each step"),
     (BODY_TABLE, "all bodies at the end"),
     ("picture.svg", "the end of the run"),
@@ -98,7 +98,7 @@ pub const KNOWN_FILES: [(&str, &str); 34] = [
     ("membranes.xdmf", "membranes of all frames, for ParaView"),
     (CHECKPOINT, "from where the run can go on"),
     ("scene.toml", "the scene"),
-    (LOG, "when the run was how far"),
+    (LOG, "dates and progress of the run"),
 ];
 
 /// What runs have left in a folder.

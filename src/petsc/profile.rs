@@ -81,7 +81,7 @@ impl Stage {
         match self {
             Stage::Rest => "rest",
             Stage::SetUp => "set-up",
-            Stage::Assembly => "jump assembly",
+            Stage::Assembly => "assembly",
             Stage::Orthogonalisation => "solve: orthogonalisation",
             Stage::Matrices => "solve: matrices",
             Stage::Inverse => "solve: inverse",

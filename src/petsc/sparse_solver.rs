@@ -74,7 +74,7 @@ impl SparseSolver {
         let mut reason = ffi::PCFailedReason_PC_NOERROR;
         petsc!(PCGetFailedReason(pc, &mut reason))?;
         if reason != ffi::PCFailedReason_PC_NOERROR {
-            return Err(Error::Diverged("the resistances of contacts and films cannot be factored".into()));
+            return Err(Error::Diverged("the resistances of contacts and lubrication films cannot be factored".into()));
         }
         Ok(SparseSolver { solver, _matrix: matrix })
     }

@@ -42,7 +42,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
             flow_name(setup),
             match setup.inverse {
                 InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
-                InverseMethod::Transform => "no matrices: exact inverse by Fourier transforms".into(),
+                InverseMethod::Transform => "no matrices: exact Stokes solver by Fourier transforms".into(),
             },
         ),
         Effect::on("pressure", "one unknown for each cell".into()),
@@ -132,9 +132,9 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     let given = plan.setup().map_or(0, |setup| setup.given_motions().len());
     let forces = (scene.time.is_some() && (1..=MOST_WITH_FORCES).contains(&given)).then(|| {
         let coefficients = if scene.output.reference_velocity.is_some() { ", with coefficients of drag and lift" } else { "" };
-        format!("of the fluid on {given} bodies whose motion is given, after every step{coefficients}")
+        format!("of the fluid on {given} bodies with prescribed motion, after every step{coefficients}")
     });
-    let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and what contacts take, after every step".to_owned());
+    let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and losses in contacts, after every step".to_owned());
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
     let structure_factor = scene.output.structure_factor.then(|| "along periodic axes, from the frames once the run has ended".to_owned());
     let autocorrelation = scene.output.velocity_autocorrelation.then(|| "from the frames once the run has ended".to_owned());

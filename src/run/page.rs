@@ -144,7 +144,7 @@ fn scene_facts(summary: &Summary) -> Facts {
         facts.push(("accuracy asked for", accuracy.asked.to_string()));
         facts.push(("cells per radius", accuracy.cells_per_radius.to_string()));
     }
-    facts.extend(summary.lubrication.as_ref().map(|lubrication| ("films between bodies", lubrication.text())));
+    facts.extend(summary.lubrication.as_ref().map(|lubrication| ("lubrication films", lubrication.text())));
     facts.extend(summary.inertia.as_ref().map(|inertia| ("inertia", inertia.text())));
     facts.extend(summary.energy.as_ref().map(|energy| ("energy", energy.text())));
     facts.extend(summary.pairs.map(|pairs| ("coordination", format!("{:.3} neighbours of a body", pairs.coordination))));
@@ -168,7 +168,7 @@ fn contact_facts(summary: &Summary) -> Option<Facts> {
 fn solver_facts(summary: &Summary) -> Option<Facts> {
     let solver = summary.solver.as_ref()?;
     let mut facts = vec![("unknowns", format!("{} on the grid, {} multipliers", solver.grid_unknowns, solver.multiplier_unknowns))];
-    facts.push(("inverse of the fluid", solver.inverse.to_owned()));
+    facts.push(("Stokes solver", solver.inverse.to_owned()));
     match &summary.motion {
         Some(motion) if motion.solves > 0 => {
             let mean = motion.iterations as f64 / motion.solves as f64;
@@ -191,12 +191,12 @@ fn parts(summary: &Summary, mean: Option<&MeanViscosity>) -> Vec<Breakdown> {
         (Some(motion), _) => {
             let named = [motion.assembly_seconds, motion.solve_seconds, motion.contact_seconds, motion.output_seconds];
             let rest = (motion.seconds - named.iter().sum::<f64>()).max(0.0);
-            ["jump assembly", "flow", "contacts", "files", "rest"].into_iter().zip(named.into_iter().chain([rest])).collect()
+            ["assembly", "flow", "contacts", "files", "rest"].into_iter().zip(named.into_iter().chain([rest])).collect()
         }
         (None, Some(solver)) => vec![
             ("set-up", solver.setup_seconds),
-            ("jump assembly", solver.assembly_seconds),
-            ("inverse of the fluid", solver.inverse_seconds),
+            ("assembly", solver.assembly_seconds),
+            ("Stokes solver", solver.inverse_seconds),
             ("matrices", solver.matrix_seconds),
             ("surfaces", solver.body_seconds),
             ("Krylov", solver.krylov_seconds),

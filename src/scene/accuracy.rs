@@ -68,14 +68,16 @@ fn check_inertia(scene: &Scene, accuracy: f64) -> Result<()> {
         return refuse("is not met with inertia in a sheared box, whose answers are means over time; give [resolution] instead");
     }
     if let Some(group) = scene.bodies.iter().find(|group| group.motion != Motion::Free && !group.stays()) {
-        let remedy =
-            format!("is not met with inertia by bodies that move as told (motion of radius {}); give [resolution] instead", group.radius);
+        let remedy = format!(
+            "is not met with inertia by bodies that move with prescribed motion (motion of radius {}); give [resolution] instead",
+            group.radius
+        );
         return refuse(&remedy);
     }
     let free = scene.bodies.iter().filter(|group| group.motion == Motion::Free).map(BodyGroup::at_least).sum::<usize>();
     if free > 1 && scene.contact.model != ContactModel::None {
         return refuse(
-            "is not met with inertia by free bodies that touch, which go ways that differ from grid to grid by more than any error; give [resolution] instead",
+            "is not met with inertia by free bodies that touch, whose trajectories differ between grids by more than any error; give [resolution] instead",
         );
     }
     Ok(())

@@ -274,7 +274,7 @@ impl BodyGroup {
         let chain = chains::read(&table, dimension)?;
         let group = BodyGroup::tied(&table, folder, dimension, (chain, read_radius(&table)?))?;
         if let (Placement::Centers(centers), Some(given)) = (&group.placement, table.get("centers")) {
-            let remedy = format!("must hold all centers of each chain, {} a chain", chain.beads);
+            let remedy = format!("must hold all centres of each chain, {} a chain", chain.beads);
             given.expect((), centers.len() % chain.beads == 0, &remedy)?;
         }
         Ok(group)
@@ -292,7 +292,7 @@ impl BodyGroup {
         let default = BodyGroup::new(radius, placement);
         let given = table.get("centers").or_else(|| table.get("file")).is_some();
         let rotation = |entry: Entry| {
-            entry.expect((), given, "turns those whose centers are given; those placed by count lie at random; remove it")?;
+            entry.expect((), given, "turns those whose centres are given; those placed by count lie at random; remove it")?;
             entry.rotation(dimension)
         };
         Ok(BodyGroup {
@@ -363,7 +363,7 @@ fn read_fraction(entry: &Entry) -> Result<f64> {
 
 fn read_centers(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
     let centers = entry.list()?;
-    entry.expect((), !centers.is_empty(), "must hold at least one center")?;
+    entry.expect((), !centers.is_empty(), "must hold at least one centre")?;
     centers.iter().map(|center| center.vector(dimension)).collect()
 }
 

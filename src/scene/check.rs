@@ -218,7 +218,7 @@ fn check_lubrication(scene: &Scene) -> Result<()> {
         (LubricationModel::None, _) => return Ok(()),
         (_, _) if scene.dry() => "needs a fluid; set contact.model = \"gluey\" or remove it",
         (_, ConstraintMethod::Sharp) => return Ok(()),
-        _ => "knows what the modes of the sharp method miss, and no other method; set method.constraint = \"sharp\"",
+        _ => "corrects the modes of the sharp method, and of no other; set method.constraint = \"sharp\"",
     };
     Err(scene.refuse("lubrication.model", "\"pairwise\"", remedy))
 }
@@ -242,11 +242,11 @@ fn check_dry(scene: &Scene) -> Result<()> {
     if scene.contact.friction.coefficient > 0.0 {
         return Ok(());
     }
-    check_still_walls(scene, "without fluid and friction no body feels a wall move; remove it or set contact.friction")
+    check_still_walls(scene, "without fluid and friction a moving wall does not act on bodies; remove it or set contact.friction")
 }
 
 fn check_scalar(scene: &Scene) -> Result<()> {
-    check_still_walls(scene, "a scalar does not feel a wall move")?;
+    check_still_walls(scene, "a moving wall does not act on a scalar")?;
     let wall = walled(scene).next();
     match (&scene.flow.drive, wall) {
         (None, Some(_)) => Ok(()),
@@ -351,10 +351,10 @@ fn check_reference(scene: &Scene) -> Result<()> {
     let Some(velocity) = &scene.output.reference_velocity else { return Ok(()) };
     let expect = |right, remedy| expect(scene, right, "output.reference_velocity", format!("{velocity:?}"), remedy);
     expect(scene.flow.model.fluid(), "is that of a flow past bodies, and nothing flows; remove it")?;
-    expect(scene.time.is_some(), "coefficients of drag and lift are told over time; add [time] or remove it")?;
+    expect(scene.time.is_some(), "coefficients of drag and lift are computed over time; add [time] or remove it")?;
     expect(scene.flow.density > 0.0, "coefficients of drag and lift are forces over those of inertia; give flow.density or remove it")?;
     let held = scene.bodies.iter().any(|bodies| bodies.motion != Motion::Free);
-    expect(held, "coefficients are told of bodies whose motion is given, and there are none; set bodies.motion or remove it")
+    expect(held, "coefficients need bodies with prescribed motion, and there are none; set bodies.motion or remove it")
 }
 
 /// Whether a background shear or sliding walls across the only axis that has walls shear the box.

@@ -24,10 +24,10 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     let opposite = |axis: &&AxisSection| matches!(axis, AxisSection::Walls { lower, upper } if lower.iter().zip(upper).all(|(lower, upper)| *lower == -*upper));
     let walled = axes.iter().filter(|axis| matches!(axis, AxisSection::Walls { .. })).count();
     let known = sliding.is_empty() || walled == 1 && sliding.iter().all(opposite);
-    expect(known, "knows what walls do if they move oppositely across the only axis that has walls; move them so, or remove it")?;
+    expect(known, "counts the work of walls only if they move oppositely across the only axis with walls; move them so, or remove it")?;
     let sheared = !sliding.is_empty() || matches!(scene.flow.drive, Some(Drive::ShearRate(_) | Drive::ShearedBox(_)));
     let free = scene.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
-    expect(free || !sheared, "does not know what moves bodies in shear; remove it, or bodies.motion")
+    expect(free || !sheared, "does not count the work on bodies with prescribed motion in shear; remove it, or bodies.motion")
 }
 
 fn moves(wall: &[f64]) -> bool {

@@ -63,7 +63,7 @@ pub(super) const KEYS: [Key; 16] = [
         .needs("time.end = 1.0"),
     Key::new("lubrication", "table", "{ model = \"pairwise\" }", "What happens between bodies that nearly touch.")
         .default("nothing is added"),
-    Key::new("time", "table", "{ end = 10.0 }", "How far the run goes.").default("one instantaneous solve"),
+    Key::new("time", "table", "{ end = 10.0 }", "End and steps of the run.").default("one instantaneous solve"),
     Key::new("output", "table", "{ picture = false }", "What the run writes.").default("all its defaults"),
 ];
 

@@ -81,7 +81,7 @@ pub(super) const BODY_KEYS: [Key; 15] = [
     .default("that of `contact.friction`")
     .range("at least 0")
     .needs("time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
-    Key::new("motion", "\"free\", \"fixed\" or a table", "\"fixed\"", "How the bodies move: as forces have it, not at all, or as told.")
+    Key::new("motion", "\"free\", \"fixed\" or a table", "\"fixed\"", "How the bodies move: under forces, not at all, or as prescribed.")
         .default("\"free\""),
     FORCE.needs(FREE),
     TORQUE.needs(FREE),

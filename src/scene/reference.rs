@@ -80,7 +80,7 @@ pub const SECTIONS: [KeySection; 24] = [
     KeySection {
         name: "bodies.motion",
         written: "motion = { .. } of [[bodies]]",
-        about: "A given motion: steady (velocity, spin), to and fro (amplitude, rotation, frequency, phase) or along a path.",
+        about: "A prescribed motion: steady (velocity, spin), oscillating (amplitude, rotation, frequency, phase) or along a path.",
         keys: &MOTION_KEYS,
     },
     KeySection { name: "chains", written: "[[chains]]", about: "A group of chains or rings of beads.", keys: &CHAIN_KEYS },
@@ -93,8 +93,18 @@ pub const SECTIONS: [KeySection; 24] = [
         about: "Friction at contacts; also of `wall_friction`, and of `friction` in [[bodies]].",
         keys: &FRICTION_KEYS,
     },
-    KeySection { name: "lubrication", written: "[lubrication]", about: "Films between bodies that nearly touch.", keys: &LUBRICATION_KEYS },
-    KeySection { name: "time", written: "[time]", about: "How far the run goes; without it, one instantaneous solve.", keys: &TIME_KEYS },
+    KeySection {
+        name: "lubrication",
+        written: "[lubrication]",
+        about: "Lubrication films between bodies that nearly touch.",
+        keys: &LUBRICATION_KEYS,
+    },
+    KeySection {
+        name: "time",
+        written: "[time]",
+        about: "End and steps of the run; without it, one instantaneous solve.",
+        keys: &TIME_KEYS,
+    },
     KeySection { name: "time.until", written: "until = { .. } of [time]", about: "What ends the run before its end.", keys: &UNTIL_KEYS },
     KeySection { name: "output", written: "[output]", about: "What the run writes besides its summary.", keys: &OUTPUT_KEYS },
 ];

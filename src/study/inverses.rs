@@ -47,7 +47,7 @@ struct InverseCost {
 
 impl Study<PetscOptions> for Inverses {
     const NAME: &'static str = "inverses";
-    const ABOUT: &'static str = "Run scenes with each inverse of the fluid that suits them and print what each costs";
+    const ABOUT: &'static str = "Run scenes with each Stokes solver that suits them and print what each costs";
 
     fn run(&self, petsc: &PetscOptions) -> Result<()> {
         let launcher = Launcher::new(&Start { launcher: &self.start.launcher, petsc, ranks: 1 })?;

@@ -58,7 +58,7 @@ const KNOWN: [KnownSuspension; 5] = [
         centers: include_str!("dense/disks10000_065.csv"),
         side: 219.84584296863,
         resolutions: &[(5.0, 3)],
-        known: "47 iterations on such crowds (Broms, Tornberg, Barnett, arXiv 2606.11273)",
+        known: "47 iterations on such suspensions (Broms, Tornberg, Barnett, arXiv 2606.11273)",
         ..DISKS
     },
     KnownSuspension {
@@ -120,7 +120,7 @@ const MOST_BY_MULTIGRID: usize = 300;
 /// A crowd cannot be solved.
 pub fn dense_suspensions(session: &Session) -> Result<()> {
     let say = |text: &str| session.world().on_first_rank(|| say(text));
-    say("| crowd | cells, modes | viscosity | iterations | seconds: assembly + solve | known |\n|-|-|-|-|-|-|")?;
+    say("| suspension | cells, modes | viscosity | iterations | seconds: assembly + solve | known |\n|-|-|-|-|-|-|")?;
     for known in &KNOWN {
         for &(cells, modes) in known.resolutions {
             let KnownSuspension { dimension, side, .. } = *known;

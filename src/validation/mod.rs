@@ -51,10 +51,10 @@ pub struct Validation {
     /// All of them in 3D, every second one a lattice of fixed spheres.
     #[arg(long, requires = "random")]
     pub space: bool,
-    /// Solve crowds with many films instead, known ones and such as show how the cost grows with number, fraction and gap.
+    /// Solve dense suspensions with many lubrication films instead: known ones, and series of number, fraction and gap that show the cost.
     #[arg(long = "crowds", conflicts_with = "bars")]
     pub dense: bool,
-    /// Measure drag, settling and viscosity of random beds with films instead, on coarse and on fine grids.
+    /// Measure drag, settling and viscosity of random beds with lubrication films instead, on coarse and on fine grids.
     #[arg(long, conflicts_with_all = ["bars", "dense"])]
     pub beds: bool,
     /// Follow bodies in flows with inertia instead: all cases, or those that are named.

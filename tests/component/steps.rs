@@ -262,7 +262,7 @@ fn a_body_squeezed_by_given_motions_ends_a_run(session: &Session) {
             "domain = {{ size = [6.0, 4.0], y = \"walls\" }}\n{flow}contact = {{ model = \"inelastic\" }}\ntime = {{ end = 2.0, step = 0.1 }}\n{bodies}"
         );
         let (error, state, _) = end::<2>(session, &text);
-        assert!(error.contains("at time") && error.contains("(0, 1, 2)") && error.contains("given motions (0, 2)"), "{flow}: {error}");
+        assert!(error.contains("at time") && error.contains("(0, 1, 2)") && error.contains("prescribed motions (0, 2)"), "{flow}: {error}");
         let gap = |one: usize, other: usize| (state.bodies[one].center - state.bodies[other].center).norm() - 1.0;
         assert!(gap(0, 1) > -1e-6 && gap(1, 2) > -1e-6);
     }

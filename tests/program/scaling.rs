@@ -228,7 +228,7 @@ fn a_run_in_time_and_a_resumed_one_have_profiles_too() {
         let output = turbid(2, arguments);
         assert!(output.status.success(), "{}", said(&output));
         let names: Vec<String> = profile(&String::from_utf8_lossy(&output.stdout)).into_iter().map(|(name, _)| name).collect();
-        for stage in ["set-up", "jump assembly", "contacts", "output", "all"] {
+        for stage in ["set-up", "assembly", "contacts", "output", "all"] {
             assert!(names.iter().any(|name| name == stage), "no {stage} in {names:?}");
         }
     }

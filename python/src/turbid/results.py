@@ -115,7 +115,7 @@ class Run:
 
     @property
     def forces(self) -> pd.DataFrame:
-        """``forces.csv``: force and torque of the fluid on each body whose motion is given, a row for each step, indexed by time."""
+        """``forces.csv``: force and torque of the fluid on each body with prescribed motion, a row for each step, indexed by time."""
         return self._needed(self._forces.get(), "forces.csv: it takes a run in time in which the motion of 1 to 16 bodies is given").copy()
 
     @property

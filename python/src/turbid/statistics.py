@@ -92,7 +92,7 @@ def _steady(abscissas: npt.ArrayLike, values: npt.ArrayLike, least: float) -> Me
         return "it still drifts"
     start = x[0] + (x[-1] - x[0]) * left_out / len(samples)
     if x[-1] - start < least:
-        return "its steady part does not tell how far it fluctuates"
+        return "its steady part is too short to estimate its fluctuations"
     rest = samples[left_out:]
     slope, correlation = _trend(_block_means(rest, _SEVERAL))
     if slope > _STEEP:

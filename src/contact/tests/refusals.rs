@@ -20,7 +20,7 @@ fn a_body_squeezed_by_two_others_has_no_way_out() {
     let (text, island) = refusal(&scene);
     assert_eq!(
         text,
-        "contact of 3 bodies (0, 1, 2) at 2 places failed: bodies are squeezed with no way out by given motions (0, 2); change the motions, or end before"
+        "contact of 3 bodies (0, 1, 2) at 2 places failed: bodies are squeezed with no way out by prescribed motions (0, 2); change the motions, or end before"
     );
     assert_eq!(island["bodies"][0]["wanted"][0], 1.0);
     assert_eq!((&island["bodies"][0]["weight"], &island["bodies"][1]["weight"]), (&Value::Null, &1.0.into()));

@@ -53,7 +53,7 @@ impl<const D: usize> FittedFlow<D> {
     /// The grid on which the flow is shown or the rank count does not fit, or no steady state exists.
     pub fn new(session: &Session, setup: Setup<D>) -> Result<FittedFlow<D>> {
         if !setup.interactions.is_empty() {
-            let refused = "method.constraint = \"fitted\": meshes that follow bodies know of no interactions; choose another method";
+            let refused = "method.constraint = \"fitted\": meshes that follow bodies support no interactions; choose another method";
             return Err(Error::refused(refused));
         }
         let history = setup.inertia.is_some().then(MeshHistory::default);

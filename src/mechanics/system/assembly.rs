@@ -122,7 +122,9 @@ fn balanced<const D: usize>(world: &World, films: LubricationPairs<D>) -> Result
     let imbalance = world.max(films.imbalance);
     match imbalance < LARGEST_IMBALANCE {
         true => Ok(films),
-        false => Err(Error::Diverged(format!("a film acts on its pair with a net force or torque of {imbalance:.1e} of its force"))),
+        false => {
+            Err(Error::Diverged(format!("a lubrication film acts on its pair with a net force or torque of {imbalance:.1e} of its force")))
+        }
     }
 }
 

@@ -39,7 +39,7 @@ pub fn uzawa<const D: usize>(
     let start = Instant::now();
     if !system.0.surfaces.velocities_only() {
         return Err(Error::refused(
-            "method.solver = \"uzawa\" knows no contacts and no mean velocity under a uniform force on fixed bodies; use \"krylov\"",
+            "method.solver = \"uzawa\" supports no contacts and no mean velocity under a uniform force on fixed bodies; use \"krylov\"",
         ));
     }
     let step = match step {

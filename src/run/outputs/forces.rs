@@ -43,7 +43,7 @@ impl<const D: usize> ForcesFile<D> {
         if let Some(velocity) = reference.as_ref().filter(|_| bodies.len() > MOST_WITH_FORCES) {
             let many = bodies.len();
             let remedy =
-                format!("{NAME} has room for {MOST_WITH_FORCES} bodies whose motion is given, and there are {many}; remove it, or bodies");
+                format!("{NAME} has room for {MOST_WITH_FORCES} bodies with prescribed motion, and there are {many}; remove it, or bodies");
             return Err(scene.refuse("output.reference_velocity", format!("{velocity:?}"), &remedy));
         }
         if bodies.is_empty() || bodies.len() > MOST_WITH_FORCES {

@@ -91,7 +91,7 @@ impl<const D: usize> Output<D> for RunLog {
             let halved = motion.statistics.last().filter(|last| last.halvings > 0);
             if let Some(StepReport { length, halvings, .. }) = halved {
                 let (time, times) = (motion.state().time, if *halvings == 1 { "once" } else { "several times" });
-                self.line(&format!("the step to time {time:.6} led nowhere and was halved {times}, to {length:.3e}"));
+                self.line(&format!("the step to time {time:.6} failed and was halved {times}, to {length:.3e}"));
             }
             self.progress(motion.state(), view.history.mean());
         }

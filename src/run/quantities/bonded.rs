@@ -32,7 +32,7 @@ pub fn membranes<const D: usize>() -> Vec<Quantity<D>> {
         mean("surface", "surface", "area", "3D cells: mean surface"),
         worst("surface_error", "surface", "3D cells: largest relative change of one"),
         Quantity::new("inclination", "radians", "mean angle of the long axis of cells from x", |view| Some(view.membranes()?.inclination)),
-        Quantity::new("tread", "radians", "angle from the long axis of the first cell to its first bead", |view| {
+        Quantity::new("tread", "radians", "tank-treading angle: from the long axis of the first cell to its first bead", |view| {
             Some(view.membranes()?.tread)
         }),
     ]

@@ -28,7 +28,9 @@ pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
             "in a flow the mean of `n n` over the normals of contacts that press: the fabric tensor; empty where none does",
             |view| contact(view).and(view.flow).and(view.motion).map(|motion| Perhaps(motion.fabric())),
         ),
-        Quantity::new("stuck", "", "contacts that stick (`gluey`)", |view| contact(view)?.gluey().then(|| Some(view.contacts()?.stuck))?),
+        Quantity::new("stuck", "", "contacts that stick (sticky contact, `gluey`)", |view| {
+            contact(view)?.gluey().then(|| Some(view.contacts()?.stuck))?
+        }),
         Quantity::new("smallest_gap", "radii of the smaller body", gap, |view| {
             contact(view).map(|_| Finite(kept(view).map_or(f64::INFINITY, |kept| kept.smallest_gap)))
         }),

@@ -13,8 +13,8 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
         "\"inelastic\"",
         "The law of contact. Inelastic: nothing overlaps, \
-        nothing rebounds, friction as asked for. Repulsion: a smooth force before touch. Gluey: what was pressed together sticks until it was pulled \
-        apart as much.",
+        nothing rebounds, friction as asked for. Repulsion: a smooth force before touch. Gluey: sticky contact, what was pressed together \
+        sticks until it was pulled apart as much.",
     )
     .default("\"none\"")
     .needs("time.end = 1.0"),
@@ -55,7 +55,7 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         .default("0.1")
         .range("above 0")
         .needs("time.end = 1.0; contact.model = \"repulsion\""),
-    Key::new("gamma_min", "number", "-0.5", "Least memory of a contact, beyond which it remembers no more.")
+    Key::new("gamma_min", "number", "-0.5", "Lower bound of the memory of a contact.")
         .unit("impulse over viscosity; dry: velocity")
         .default("no bound")
         .range("at most 0")

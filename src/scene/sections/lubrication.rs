@@ -17,11 +17,11 @@ pub(in crate::scene) const KEYS: [Key; 2] = [
         "model",
         "\"none\" or \"pairwise\"",
         "\"pairwise\"",
-        "Whether the resistance of films that the multipliers do not see is added, \
+        "Whether the resistance of lubrication films that the multipliers do not resolve is added, \
         pair by pair, with its stress.",
     )
     .default("\"none\""),
-    Key::new("roughness", "number", "1e-3", "Films resist as if no gap were smaller than this.")
+    Key::new("roughness", "number", "1e-3", "Lubrication films resist as if no gap were smaller than this.")
         .unit("radii")
         .default("1e-4")
         .range("above 0, at most 0.1")

@@ -94,8 +94,8 @@ pub(in crate::scene) const KEYS: [Key; 17] = [
         "energy",
         "true or false",
         "true",
-        "Whether the balance of energy of a flow with inertia is written to energy.csv: kinetic energy, work, and what viscosity, films and contacts \
-        take; method.constraint = \"sharp\" only.",
+        "Whether the balance of energy of a flow with inertia is written to energy.csv: kinetic energy, work, and what viscosity, \
+        lubrication films and contacts dissipate; method.constraint = \"sharp\" only.",
     )
     .default("false")
     .needs("time.end = 1.0; flow.model = \"navier-stokes\"; flow.density = 1.0"),
@@ -103,7 +103,7 @@ pub(in crate::scene) const KEYS: [Key; 17] = [
         "reference_velocity",
         "list of numbers",
         "[1.0, 0.0]",
-        "Velocity of the stream to which forces on bodies of given motion are \
+        "Velocity of the stream to which forces on bodies with prescribed motion are \
         referred: forces.csv then has coefficients of drag and lift.",
     )
     .unit("length/time")

@@ -49,8 +49,9 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "error",
         "number",
         "1e-4",
-        "Part of their radius by which bodies in Stokes flow err in an automatic step (root mean square of how far the way of the last one was from its \
-        length times the mean of the velocities before and after it; ten times as much for a single body).",
+        "Error of the displacements of bodies in Stokes flow in an automatic step, over their radii: root mean square of the difference \
+        between the displacement of the last step and its length times the mean of the velocities before and after it; for a single \
+        body ten times as much.",
     )
     .unit("radii")
     .default("0.3 of the cube of travel: 3e-4")

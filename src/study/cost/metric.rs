@@ -34,7 +34,7 @@ impl Metric {
         let of = self.quantity.body.map_or(String::new(), |body| format!(" of body {body}"));
         match self.quantity.kind {
             QuantityKind::Drag if self.quantity.body.is_none() && self.properties.held.iter().filter(|&&held| held).count() > 1 => {
-                "drag: magnitude of the mean force on the held bodies".into()
+                "drag: magnitude of the mean force on the bodies with prescribed motion".into()
             }
             QuantityKind::Drag => format!("drag{of}: magnitude of the force by the fluid"),
             QuantityKind::Resistance => "resistance: mean pressure gradient over viscosity and mean velocity".into(),
@@ -74,7 +74,8 @@ impl Metric {
             QuantityKind::Position => self.each(&summary.0["bodies"], |body| numbers(&body["center"])),
             QuantityKind::Field | QuantityKind::Gradient => return self.lattice(&folder.join("probe.csv")),
         };
-        values.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.quantity.kind.word())))
+        values
+            .ok_or_else(|| Error::refused(format!("--quantity {}: the run does not report it; choose another", self.quantity.kind.word())))
     }
 
     /// Numbers of the bodies whose mean force is the drag.

@@ -59,7 +59,7 @@ impl ScalingReport {
     }
 
     fn notes(&self) -> String {
-        let what = if self.steps { "a step" } else { "the instant: set-up, jump assembly, solve" };
+        let what = if self.steps { "a step" } else { "the instant: set-up, assembly, solve" };
         let (Network { bandwidth, latency }, repeat) = (self.network, self.repeat);
         let mut notes = vec![
             format!("Seconds of {what}; the fastest of {repeat}. Efficiency: speed per rank over that of the first row."),

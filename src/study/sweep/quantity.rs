@@ -110,8 +110,8 @@ impl SweepQuantity {
                     .into()
             }
             SweepQuantity::Viscosity => "relative viscosity".into(),
-            SweepQuantity::Drag if in_time => "magnitude of the mean force on held bodies at the end".into(),
-            SweepQuantity::Drag => "magnitude of the mean force on held bodies".into(),
+            SweepQuantity::Drag if in_time => "magnitude of the mean force on bodies with prescribed motion at the end".into(),
+            SweepQuantity::Drag => "magnitude of the mean force on bodies with prescribed motion".into(),
             SweepQuantity::Settling(_) if in_time => {
                 "mean velocity of the bodies along the force on them, over the second half of each run".into()
             }
@@ -144,7 +144,7 @@ impl SweepQuantity {
             }
         };
         let finite = found.filter(|reading| reading.value.is_finite());
-        finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not tell it; choose another", self.name())))
+        finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not report it; choose another", self.name())))
     }
 }
 

@@ -43,7 +43,13 @@ const PLANE: [FlowKind; 6] = [
     FlowKind { name: "channel", walls: "y = \"walls\"", flow: CHANNEL, quantity: EstimatedQuantity::Velocity, ..SHEARED },
     FlowKind { name: "fixed array", flow: CROSS_FLOW, bodies: FIXED, quantity: EstimatedQuantity::Drag, ..SHEARED },
     FlowKind { name: "closed box, stirred", walls: CLOSED, flow: "", bodies: STIRRED, quantity: EstimatedQuantity::Drag },
-    FlowKind { name: "settling crowd", flow: AT_REST, bodies: "force = [0.0, -1.0]", quantity: EstimatedQuantity::Velocity, ..SHEARED },
+    FlowKind {
+        name: "settling suspension",
+        flow: AT_REST,
+        bodies: "force = [0.0, -1.0]",
+        quantity: EstimatedQuantity::Velocity,
+        ..SHEARED
+    },
 ];
 
 const SPACE: [FlowKind; 3] = [

@@ -10,7 +10,7 @@ const END: f64 = 2.0;
 /// Spheres of radius 1, each with the resistance 1 alone, on a spring that exerts a unit force over a unit length.
 pub fn case() -> Case {
     Case {
-        name: "way of two spheres on a spring",
+        name: "displacement of two spheres on a spring",
         source: "Brenner 1961, two equal spheres",
         resolution: "a/h = 3, films, 40 steps".into(),
         reference: exact_separation(),

@@ -1,4 +1,4 @@
-//! What is told of a stream past bodies whose motion is given: forces, coefficients, vorticity.
+//! What is told of a stream past bodies with prescribed motion: forces, coefficients, vorticity.
 
 use std::{fs, os::unix::fs::PermissionsExt, path::Path};
 
@@ -100,7 +100,7 @@ fn coefficients_of_more_bodies_than_a_row_has_room_for_are_refused() {
     let scene = write(&here, &text.replacen("radius = 0.5", "radius = 0.1", 1));
     let output = turbid(1, &["run", scene.to_str().unwrap(), "--out", here.join("out").to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
-    assert!(said(&output).contains("room for 16 bodies whose motion is given, and there are 18"), "{}", said(&output));
+    assert!(said(&output).contains("room for 16 bodies with prescribed motion, and there are 18"), "{}", said(&output));
 }
 
 #[test]
