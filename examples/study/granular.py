@@ -85,7 +85,7 @@ def measure(folder):
 def main():
     program = sys.argv[1]
     print("| fraction asked for | inertial number | friction of the flow | da Cruz et al. | fraction in the middle | da Cruz et al. |\n|-|-|-|-|-|-|")
-    for asked in [0.70, 0.74, 0.77, 0.785]:
+    for asked in [0.68, 0.72, 0.74, 0.755]:
         folder = OUT / f"{asked}"
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "scene.toml").write_text(scene(asked, 8.0))

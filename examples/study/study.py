@@ -19,16 +19,17 @@ OUT = pathlib.Path("out/study")
 DOCS = pathlib.Path("docs")
 
 FRICTION = ["0", "0.2", "0.5", "1"]
-PARTS = ["viscosity", "series.viscosity_contact", "series.viscosity_friction", "series.first_normal_difference", "series.particle_pressure",
-         "series.contact_number"]
+#: The part of tangential forces is what is left: without friction it has no column.
+PARTS = ["series.viscosity", "series.viscosity_hydrodynamic", "series.viscosity_lubrication", "series.viscosity_contact", "series.first_normal_difference",
+         "series.particle_pressure", "series.contact_number"]
 SPACE = PARTS + ["series.second_normal_difference"]
 
 #: Name, scene, keys that are varied, seeds, quantities.
 SWEEPS = [
-    ("disks", "disks", {"bodies.0.fraction": ["0.1", "0.3", "0.5", "0.6", "0.66", "0.7"], "contact.friction": FRICTION}, 2, PARTS),
+    ("disks", "disks", {"bodies.0.fraction": ["0.1", "0.3", "0.5", "0.6", "0.66", "0.7"], "contact.friction": FRICTION}, 1, PARTS),
     ("spheres", "spheres", {"bodies.0.fraction": ["0.1", "0.2", "0.3", "0.4", "0.45", "0.5"], "contact.friction": FRICTION}, 1, SPACE),
-    ("reversal", "reversal", {"contact.friction": ["0.5"]}, 4, ["last.viscosity"]),
-    ("thickening", "thickening", {"contact.friction.critical_load": ["0.1", "0.3", "1", "3", "10", "30", "100"]}, 1, PARTS),
+    ("reversal", "reversal", {"contact.friction": ["0.5"]}, 3, ["last.viscosity"]),
+    ("thickening", "thickening", {"contact.friction.critical_load": ["0.1", "1", "3", "10", "30", "100"]}, 1, PARTS),
 ]
 
 
@@ -72,7 +73,7 @@ def jamming(points):
 
 def jamming_with_interval(rows):
     """The same with its 95 % interval, from points that scatter as their own intervals say; of fractions from .4 on (disks) or .3 (spheres)."""
-    points = [(number(row["fraction_placed"]), number(row["viscosity"]), number(row["viscosity.high"]) - number(row["viscosity"])) for row in rows]
+    points = [(number(row["fraction_placed"]), number(row["series.viscosity"]), number(row["series.viscosity.high"]) - number(row["series.viscosity"])) for row in rows]
     points = [point for point in points if not math.isnan(point[1])]
     draw = random.Random(1)
     def drawn():
@@ -89,20 +90,28 @@ def table(rows, columns):
     return "\n".join(lines)
 
 
-def flow_part(row):
-    """What is left of the viscosity without contacts: the flow and its films."""
-    rest = number(row["viscosity"]) - number(row["series.viscosity_contact"]) - number(row["series.viscosity_friction"] or "0")
-    return f"{rest:.3g}"
+def flow(row):
+    """The part of the flow and its films."""
+    return number(row["series.viscosity_hydrodynamic"]) + number(row["series.viscosity_lubrication"])
+
+
+def tangential(row):
+    """The part of tangential forces of contacts."""
+    return number(row["series.viscosity"]) - flow(row) - number(row["series.viscosity_contact"])
+
+
+def to_digits(value):
+    return f"{value:.3g}" if abs(value) > 1e-9 else "0"
 
 
 def figures(rows, spheres):
     columns = {
         "fraction": lambda row: f"{number(row['fraction_placed']):.3f}",
         "friction": lambda row: row["contact.friction"],
-        "viscosity": lambda row: with_half_width(row, "viscosity"),
-        "flow and films": flow_part,
+        "viscosity": lambda row: with_half_width(row, "series.viscosity"),
+        "flow and films": lambda row: to_digits(flow(row)),
         "contacts: normal": lambda row: with_half_width(row, "series.viscosity_contact"),
-        "tangential": lambda row: with_half_width(row, "series.viscosity_friction", 2),
+        "tangential": lambda row: to_digits(tangential(row)),
         "N1": lambda row: with_half_width(row, "series.first_normal_difference", 2),
         "N2": lambda row: with_half_width(row, "series.second_normal_difference", 2),
         "particle pressure": lambda row: with_half_width(row, "series.particle_pressure"),
@@ -159,9 +168,9 @@ def transient():
 def thickening(rows):
     return table(rows, {
         "stress over critical load": lambda row: f"{10.0 / number(row['contact.friction.critical_load']):.3g}",
-        "viscosity": lambda row: with_half_width(row, "viscosity"),
+        "viscosity": lambda row: with_half_width(row, "series.viscosity"),
         "contacts: normal": lambda row: with_half_width(row, "series.viscosity_contact"),
-        "tangential": lambda row: with_half_width(row, "series.viscosity_friction", 2),
+        "tangential": lambda row: to_digits(tangential(row)),
         "contacts a body": lambda row: f"{number(row['series.contact_number']):.2f}",
     })
 
@@ -177,14 +186,14 @@ def references(rows):
             lines.append({**other, "ours": same[0]})
     return table(lines, {
         "fraction, friction": lambda row: f"{row['fraction']}, {row['friction']}",
-        "viscosity": lambda row: with_half_width(row["ours"], "viscosity"),
+        "viscosity": lambda row: with_half_width(row["ours"], "series.viscosity"),
         "discrete elements": lambda row: f"{row['viscosity']} +- {row['interval']}",
-        "contacts": lambda row: f"{number(row['ours']['series.viscosity_contact']) + number(row['ours']['series.viscosity_friction'] or '0'):.3g}",
+        "contacts": lambda row: to_digits(number(row["ours"]["series.viscosity_contact"]) + tangential(row["ours"])),
         "discrete elements: contacts": lambda row: row["contact"],
-        "flow and films": lambda row: flow_part(row["ours"]),
+        "flow and films": lambda row: to_digits(flow(row["ours"])),
         "discrete elements: films": lambda row: row["hydrodynamic"],
         "N1": lambda row: with_half_width(row["ours"], "series.first_normal_difference", 2),
-        "over viscosity: ours": lambda row: f"{number(row['ours']['series.first_normal_difference']) / number(row['ours']['viscosity']):+.2f}",
+        "over viscosity: ours": lambda row: f"{number(row['ours']['series.first_normal_difference']) / number(row['ours']['series.viscosity']):+.2f}",
         "discrete elements: N1 over viscosity": lambda row: row["first"],
     })
 
@@ -217,7 +226,7 @@ def page(tables, granular, collapse):
     (DOCS / "study.md.part").write_text(text)
     (DOCS / "study.md.part").replace(DOCS / "study.md")
     for name in ("disks", "spheres", "thickening"):
-        shutil.copy(OUT / name / "sweep-viscosity.svg", DOCS / f"study-{name}.svg")
+        shutil.copy(OUT / name / "sweep-series.viscosity.svg", DOCS / f"study-{name}.svg")
 
 
 def main():
