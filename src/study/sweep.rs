@@ -144,6 +144,10 @@ impl ParameterSweep {
         let job = Job { scene: &self.scene.scene, overrides: &overrides, folder: &out, ranks: self.ranks, repeat: 1 };
         let read = |path: &Path| {
             let readings = quantities.iter().map(|quantity| quantity.read(path, scene)).collect::<Result<Vec<_>>>()?;
+            if readings.iter().all(Option::is_none) {
+                let names: Vec<String> = quantities.iter().map(SweepQuantity::name).collect();
+                return Err(Error::refused(format!("--quantity {}: the run does not report it; choose another", names.join(","))));
+            }
             let summary = RunSummary::read(path)?;
             let kept = self.keep.keep(&out, folder, &setting.folder_name())?;
             let seconds = summary.setup_seconds() + summary.solve_seconds();

@@ -54,7 +54,7 @@ impl SweepPoint {
         let measured: Vec<&Measured> = records.iter().filter_map(|record| record.measured()).collect();
         let mean = |number: fn(&Measured) -> f64| known(mean(&measured.iter().map(|run| number(run)).collect::<Vec<_>>()));
         let estimate =
-            |(place, name): (usize, &String)| Estimate::of(name, &measured.iter().map(|run| run.readings[place]).collect::<Vec<_>>());
+            |(place, name): (usize, &String)| Estimate::of(name, &measured.iter().filter_map(|run| run.readings[place]).collect::<Vec<_>>());
         let failure = |record: &&SweepRecord| {
             let reason = record.failure()?;
             Some(record.setting.seed.map_or(reason.to_owned(), |seed| format!("seed {seed}: {reason}")))
@@ -150,7 +150,7 @@ mod tests {
 
     fn record(seed: u64, reading: Option<Reading>) -> SweepRecord {
         let setting = SweepSetting { point: vec![("a".into(), "1".into())], seed: Some(seed) };
-        let measured = |reading| Outcome::Measured(Measured { readings: vec![reading], fraction: 0.3, seconds: 2.0, folder: None });
+        let measured = |reading| Outcome::Measured(Measured { readings: vec![Some(reading)], fraction: 0.3, seconds: 2.0, folder: None });
         SweepRecord { setting, outcome: reading.map_or(Outcome::Failed("no room".into()), measured) }
     }
 

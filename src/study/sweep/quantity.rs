@@ -122,11 +122,11 @@ impl SweepQuantity {
         }
     }
 
-    /// Its value in a run that left this summary.
+    /// Its value in a run that left this summary; nothing where the run has none, as the part of an effect that is off in it.
     ///
     /// # Errors
-    /// The run does not tell it.
-    pub fn read(&self, path: &Path, scene: &Scene) -> Result<Reading> {
+    /// A file cannot be read.
+    pub fn read(&self, path: &Path, scene: &Scene) -> Result<Option<Reading>> {
         let summary = RunSummary::read(path)?;
         let series = path.with_file_name("series.csv");
         let last = if summary.in_time() { Over::End } else { Over::Instant };
@@ -143,8 +143,7 @@ impl SweepQuantity {
                 summary.get(&format!("/{}", name.replace('.', "/"))).map(|value| Reading::of(value, Over::Summary))
             }
         };
-        let finite = found.filter(|reading| reading.value.is_finite());
-        finite.ok_or_else(|| Error::refused(format!("--quantity {}: the run does not report it; choose another", self.name())))
+        Ok(found.filter(|reading| reading.value.is_finite()))
     }
 }
 

@@ -28,8 +28,8 @@ pub type SweepRecord = experiment::record::Record<SweepSetting, Measured>;
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// The quantities, in the order of the command line.
-    pub readings: Vec<Reading>,
+    /// The quantities, in the order of the command line; nothing for those that the run does not have.
+    pub readings: Vec<Option<Reading>>,
     /// Part of the box that bodies fill, as they were placed.
     pub fraction: f64,
     /// Seconds of set-up and solves.
@@ -66,7 +66,7 @@ impl fmt::Display for SweepRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.outcome {
             Outcome::Measured(Measured { readings, seconds, .. }) => {
-                let values = readings.iter().map(|reading| format!("{:.6}", reading.value)).collect::<Vec<_>>().join(", ");
+                let values = readings.iter().map(|reading| reading.map_or("-".into(), |reading| format!("{:.6}", reading.value))).collect::<Vec<_>>().join(", ");
                 write!(f, "{}: {values} in {seconds:.1} s", self.setting)
             }
             Outcome::Failed(reason) => write!(f, "{}: {reason}", self.setting),
