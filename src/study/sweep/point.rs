@@ -53,8 +53,9 @@ impl SweepPoint {
     pub fn of(point: &[Assignment], names: &[String], records: &[&SweepRecord]) -> SweepPoint {
         let measured: Vec<&Measured> = records.iter().filter_map(|record| record.measured()).collect();
         let mean = |number: fn(&Measured) -> f64| known(mean(&measured.iter().map(|run| number(run)).collect::<Vec<_>>()));
-        let estimate =
-            |(place, name): (usize, &String)| Estimate::of(name, &measured.iter().filter_map(|run| run.readings[place]).collect::<Vec<_>>());
+        let estimate = |(place, name): (usize, &String)| {
+            Estimate::of(name, &measured.iter().filter_map(|run| run.readings[place]).collect::<Vec<_>>())
+        };
         let failure = |record: &&SweepRecord| {
             let reason = record.failure()?;
             Some(record.setting.seed.map_or(reason.to_owned(), |seed| format!("seed {seed}: {reason}")))

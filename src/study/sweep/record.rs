@@ -66,7 +66,11 @@ impl fmt::Display for SweepRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.outcome {
             Outcome::Measured(Measured { readings, seconds, .. }) => {
-                let values = readings.iter().map(|reading| reading.map_or("-".into(), |reading| format!("{:.6}", reading.value))).collect::<Vec<_>>().join(", ");
+                let values = readings
+                    .iter()
+                    .map(|reading| reading.map_or("-".into(), |reading| format!("{:.6}", reading.value)))
+                    .collect::<Vec<_>>()
+                    .join(", ");
                 write!(f, "{}: {values} in {seconds:.1} s", self.setting)
             }
             Outcome::Failed(reason) => write!(f, "{}: {reason}", self.setting),
