@@ -91,9 +91,10 @@ fn of_rheometry(summary: &Summary) -> Vec<Answer> {
     let line = |(name, column): (&'static str, &str)| {
         let quantity = summary.quantities.get(column)?;
         let value = match (&quantity.mean, quantity.last) {
-            (Some(SteadyMean { value, interval: [low, high], .. }), _) => {
+            (Some(SteadyMean { value, interval: [low, high], .. }), _) if low < high => {
                 format!("{} ± {} (95 %)", number(*value, 4), bar(0.5 * (high - low)))
             }
+            (Some(mean), _) => number(mean.value, 4),
             (None, Some(last)) => number(last, 4) + when,
             (None, None) => return None,
         };
