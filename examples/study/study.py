@@ -9,6 +9,7 @@ import csv
 import math
 import pathlib
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -44,7 +45,12 @@ def sweep(program, name, scene, varied, seeds, quantities):
     if code != 0:
         sys.exit(f"{name}: turbid sweep ended with {code}; see {OUT / name}.log")
     with open(OUT / name / "sweep.csv") as table:
-        return list(csv.DictReader(table))
+        rows = list(csv.DictReader(table))
+    remarks = (OUT / name / "sweep.md").read_text()
+    for row in rows:
+        point = ", ".join(f"{key} = {row[key]}" for key in varied)
+        row["jammed"] = ", ".join(re.findall(re.escape(point) + r": .*strain ([0-9.]+), bodies are jammed", remarks))
+    return rows
 
 
 def number(text):
@@ -101,22 +107,28 @@ def tangential(row):
 
 
 def to_digits(value):
+    if math.isnan(value):
+        return ""
     return f"{value:.3g}" if abs(value) > 1e-9 else "0"
+
+
+def viscosity_of(row):
+    """Its viscosity, or at which strain bodies jammed."""
+    return f"jammed at strain {row['jammed']}" if row["jammed"] else with_half_width(row, "series.viscosity")
 
 
 def figures(rows, spheres):
     columns = {
-        "fraction": lambda row: f"{number(row['fraction_placed']):.3f}",
+        "fraction": lambda row: f"{number(row['fraction_placed'] or row['bodies.0.fraction']):.3f}",
         "friction": lambda row: row["contact.friction"],
-        "viscosity": lambda row: with_half_width(row, "series.viscosity"),
+        "viscosity": viscosity_of,
         "flow and films": lambda row: to_digits(flow(row)),
         "contacts: normal": lambda row: with_half_width(row, "series.viscosity_contact"),
         "tangential": lambda row: to_digits(tangential(row)),
         "N1": lambda row: with_half_width(row, "series.first_normal_difference", 2),
         "N2": lambda row: with_half_width(row, "series.second_normal_difference", 2),
         "particle pressure": lambda row: with_half_width(row, "series.particle_pressure"),
-        "contacts a body": lambda row: f"{number(row['series.contact_number']):.2f}",
-        "runs, failed": lambda row: f"{row['runs']}, {row['failed']}",
+        "contacts a body": lambda row: to_digits(number(row["series.contact_number"])),
     }
     if not spheres:
         del columns["N2"]
@@ -182,7 +194,7 @@ def references(rows):
     lines = []
     for other in known:
         same = [row for row in rows if row["contact.friction"] == other["friction"] and abs(number(row["bodies.0.fraction"]) - number(other["fraction"])) < 1e-9]
-        if same:
+        if same and same[0]["series.viscosity"]:
             lines.append({**other, "ours": same[0]})
     return table(lines, {
         "fraction, friction": lambda row: f"{row['fraction']}, {row['friction']}",
