@@ -3,7 +3,7 @@
     python3 examples/study/granular.py PROGRAM
 
 The height of the box is given, and the pressure comes out. Published, for disks of friction 0.4: `0.26 + 1.0 I` and `0.81 - 0.31 I` for I below 0.2, with
-`I = rate sqrt(mass / pressure)` (da Cruz et al. 2005). Means and 95 % intervals are those of `profiles.csv` over the middle half of the layer.
+`I = rate sqrt(mass / pressure)` (da Cruz et al. 2005). Means are over the middle half of the layer and the second half of a strain of 16.
 """
 
 import csv
@@ -14,6 +14,9 @@ import sys
 
 OUT = pathlib.Path("out/study/granular")
 WIDTH, COUNT, SPEED = 30.3, 360, 10.0
+
+#: Mean square of the radii.
+MEAN_AREA = 1.0145
 
 SCENE = """
 title = "dry disks between rough walls"
@@ -51,44 +54,58 @@ picture = false
 
 def scene(fraction, strain):
     """A layer of so many disks that fill a fraction between the middles of the walls' disks, sheared by so much."""
-    area = COUNT * math.pi * 1.0145 + 0.5 * 2 * 15 * math.pi
+    area = COUNT * math.pi * MEAN_AREA + 0.5 * 2 * 15 * math.pi
     between = area / fraction / WIDTH
     height = between + 2.0
     row = lambda y: "[" + ", ".join(f"[{0.505 + 2.02 * place:.3f}, {y:.6f}]" for place in range(15)) + "]"
     rate = 2.0 * SPEED / between
     end = strain / rate
-    return SCENE.format(width=WIDTH, height=height, lower=row(1.0), upper=row(height - 1.0), speed=SPEED, count=COUNT, end=end, step=0.004 / rate, every=end / 200)
+    return SCENE.format(width=WIDTH, height=height, lower=row(1.0), upper=row(height - 1.0), speed=SPEED, count=COUNT, end=end, step=0.004 / rate, every=end / 400)
 
 
-def weighted(rows, name):
-    """Mean over the middle half of the slices, with its half width."""
-    chosen = [row for row in rows[len(rows) // 4 : len(rows) - len(rows) // 4] if row[name] != ""]
-    values = [float(row[name]) for row in chosen]
-    widths = [float(row[f"{name}_half_width"]) for row in chosen if row[f"{name}_half_width"] != ""]
-    return sum(values) / len(values), (sum(widths) / len(widths) if widths else math.nan)
+BLOCKS, STUDENT = 6, 2.571
+
+
+def with_interval(samples):
+    """The mean of samples in time, with half its 95 % interval from the scatter of blocks."""
+    blocks = [samples[len(samples) * place // BLOCKS : len(samples) * (place + 1) // BLOCKS] for place in range(BLOCKS)]
+    means = [sum(block) / len(block) for block in blocks]
+    mean = sum(samples) / len(samples)
+    return mean, STUDENT * math.sqrt(sum((value - mean) ** 2 for value in means) / (BLOCKS - 1) / BLOCKS)
 
 
 def measure(folder):
-    with open(folder / "profiles.csv") as table:
-        rows = list(csv.DictReader(table))
-    shear, shear_width = weighted(rows, "particle_stress_xy")
-    normal, _ = weighted(rows, "particle_stress_yy")
-    fraction, fraction_width = weighted(rows, "fraction")
-    middle = rows[len(rows) // 4 : len(rows) - len(rows) // 4]
-    points = [(float(row["position"]), float(row["particle_velocity_x"])) for row in middle]
-    mean = [sum(values) / len(points) for values in zip(*points)]
-    rate = sum((y - mean[0]) * (u - mean[1]) for y, u in points) / sum((y - mean[0]) ** 2 for y, _ in points)
-    mass = math.pi * 1.0145
-    return {"I": rate * math.sqrt(mass / -normal), "mu": shear / -normal, "mu width": shear_width / -normal, "fraction": fraction, "width": fraction_width}
+    """Means over the second half of the run of what is in the middle half of the layer."""
+    frames = {}
+    with open(folder / "profile-frames.csv") as table:
+        for row in csv.DictReader(table):
+            frames.setdefault(float(row["time"]), []).append(row)
+    times = sorted(frames)
+    shears, normals, rates, fractions = [], [], [], []
+    for time in times[len(times) // 2 :]:
+        slices = frames[time]
+        middle = slices[len(slices) // 4 : len(slices) - len(slices) // 4]
+        mean = lambda name: sum(float(row[name]) for row in middle) / len(middle)
+        shears.append(abs(mean("particle_stress_xy")))
+        normals.append(-mean("particle_stress_yy"))
+        fractions.append(mean("fraction"))
+        points = [(float(row["position"]), float(row["particle_velocity_x"])) for row in middle if row["particle_velocity_x"]]
+        centre = [sum(values) / len(points) for values in zip(*points)]
+        rates.append(sum((y - centre[0]) * (u - centre[1]) for y, u in points) / sum((y - centre[0]) ** 2 for y, _ in points))
+    pressure, rate = sum(normals) / len(normals), sum(rates) / len(rates)
+    # of a ratio of means: the scatter of what is left of its equation
+    left = with_interval([shear - sum(shears) / sum(normals) * normal for shear, normal in zip(shears, normals)])[1]
+    fraction, width = with_interval(fractions)
+    return {"I": rate * math.sqrt(math.pi * MEAN_AREA / pressure), "mu": sum(shears) / sum(normals), "mu width": left / pressure, "fraction": fraction, "width": width}
 
 
 def main():
     program = sys.argv[1]
     print("| fraction asked for | inertial number | friction of the flow | da Cruz et al. | fraction in the middle | da Cruz et al. |\n|-|-|-|-|-|-|")
-    for asked in [0.68, 0.72, 0.74, 0.755]:
+    for asked in [0.66, 0.67, 0.68, 0.685]:
         folder = OUT / f"{asked}"
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "scene.toml").write_text(scene(asked, 8.0))
+        (folder / "scene.toml").write_text(scene(asked, 16.0))
         if not (folder / "run" / "summary.json").exists():
             with open(folder / "log", "w") as log:
                 code = subprocess.run([program, "run", str(folder / "scene.toml"), "--out", str(folder / "run"), "--force"], stdout=log, stderr=log).returncode
