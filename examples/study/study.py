@@ -48,8 +48,10 @@ def sweep(program, name, scene, varied, seeds, quantities):
         rows = list(csv.DictReader(table))
     remarks = (OUT / name / "sweep.md").read_text()
     for row in rows:
-        point = ", ".join(f"{key} = {row[key]}" for key in varied)
-        row["jammed"] = ", ".join(re.findall(re.escape(point) + r": .*strain ([0-9.]+), bodies are jammed", remarks))
+        point = re.escape(", ".join(f"{key} = {row[key]}" for key in varied))
+        jammed = re.findall(point + r": .*strain ([0-9.]+), bodies are jammed", remarks)
+        without = re.findall(point + r": .*at time ([0-9.]{1,4})[0-9]* no rate goes", remarks)
+        row["ended"] = "".join([f"jammed at strain {strain}" for strain in jammed] + [f"no rate at this stress from time {time} on" for time in without])
     return rows
 
 
@@ -62,7 +64,7 @@ def with_half_width(row, quantity, digits=3):
     mean, low, high = (number(row.get(name, "")) for name in (quantity, f"{quantity}.low", f"{quantity}.high"))
     if math.isnan(mean):
         return ""
-    return f"{mean:.{digits}g}" + ("" if math.isnan(low) else f" +- {0.5 * (high - low):.2g}")
+    return f"{mean:.{digits}g}" + ("" if math.isnan(low) else f" +- {float(f'{0.5 * (high - low):.2g}'):g}")
 
 
 def jamming(points):
@@ -113,8 +115,8 @@ def to_digits(value):
 
 
 def viscosity_of(row):
-    """Its viscosity, or at which strain bodies jammed."""
-    return f"jammed at strain {row['jammed']}" if row["jammed"] else with_half_width(row, "series.viscosity")
+    """Its viscosity, or why the run ended."""
+    return row["ended"] or with_half_width(row, "series.viscosity")
 
 
 def figures(rows, spheres):
@@ -180,10 +182,10 @@ def transient():
 def thickening(rows):
     return table(rows, {
         "stress over critical load": lambda row: f"{10.0 / number(row['contact.friction.critical_load']):.3g}",
-        "viscosity": lambda row: with_half_width(row, "series.viscosity"),
+        "viscosity": viscosity_of,
         "contacts: normal": lambda row: with_half_width(row, "series.viscosity_contact"),
         "tangential": lambda row: to_digits(tangential(row)),
-        "contacts a body": lambda row: f"{number(row['series.contact_number']):.2f}",
+        "contacts a body": lambda row: to_digits(number(row["series.contact_number"])),
     })
 
 
