@@ -1,4 +1,4 @@
-"""The viscosity of dense suspensions with friction, from about forty minutes on two cores; what is there is not run again.
+"""The viscosity of dense suspensions with friction, in about three quarters of an hour on two cores; what is there is not run again.
 
     ./run study
 
@@ -10,7 +10,6 @@ import math
 import pathlib
 import random
 import re
-import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -44,6 +43,11 @@ def sweep(program, name, scene, varied, seeds, quantities):
         code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
     if code != 0:
         sys.exit(f"{name}: turbid sweep ended with {code}; see {OUT / name}.log")
+    return read(name, varied)
+
+
+def read(name, varied):
+    """The table of a sweep, with the reasons why runs ended."""
     with open(OUT / name / "sweep.csv") as table:
         rows = list(csv.DictReader(table))
     remarks = (OUT / name / "sweep.md").read_text()
@@ -239,8 +243,11 @@ def page(tables, granular, collapse):
         text = text.replace(f"{{{name}}}", part)
     (DOCS / "study.md.part").write_text(text)
     (DOCS / "study.md.part").replace(DOCS / "study.md")
-    for name in ("disks", "spheres", "thickening"):
-        shutil.copy(OUT / name / "sweep-series.viscosity.svg", DOCS / f"study-{name}.svg")
+    for name in ("disks", "spheres"):
+        chart = (OUT / name / "sweep-series.viscosity.svg").read_text()
+        for column, words in [("series.viscosity", "relative viscosity"), ("bodies.0.fraction", "fraction"), ("contact.friction", "friction")]:
+            chart = chart.replace(column, words)
+        (DOCS / f"study-{name}.svg").write_text(chart)
 
 
 def main():
