@@ -6,16 +6,16 @@ A column of half width R is settled between smooth walls, set free in a wide box
 `3.25 a^0.7` above (Staron & Hinch 2005, friction 1), height `0.65 a^0.4` (Lube et al. 2005). Lengths in units of R.
 """
 
-import json
 import math
 import pathlib
-import subprocess
 import sys
+
+from common import bodies, line, run
 
 OUT = pathlib.Path("out/study/collapse")
 PACKED = 0.82
 
-SETTLE = """
+SCENE = """
 seed = {seed}
 gravity = [0.0, -1.0]
 [domain]
@@ -26,30 +26,7 @@ y = "walls"
 model = "none"
 [[bodies]]
 radius = 1.0
-sizes = {{ deviation = 0.15, smallest = 0.75, largest = 1.3 }}
-count = {count}
-gap = 0.02
-[contact]
-model = "inelastic"
-[time]
-end = {end}
-step = 0.05
-[output]
-every = {end}
-picture = false
-"""
-
-RELEASE = """
-gravity = [0.0, -1.0]
-[domain]
-size = [{width}, {height}]
-x = "walls"
-y = "walls"
-[flow]
-model = "none"
-[[bodies]]
-radius = 1.0
-file = "column.csv"
+{placed}
 [contact]
 model = "inelastic"
 friction = {friction}
@@ -58,18 +35,16 @@ end = {end}
 step = 0.05
 [output]
 every = {every}
+picture = false
 """
 
+#: How disks are placed before they settle.
+RANDOM = "sizes = {{ deviation = 0.15, smallest = 0.75, largest = 1.3 }}\ncount = {count}\ngap = 0.02"
 
-def run(program, folder, scene, log):
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "scene.toml").write_text(scene)
-    if not (folder / "run" / "summary.json").exists():
-        code = subprocess.run([program, "run", str(folder / "scene.toml"), "--out", str(folder / "run"), "--force"], stdout=log, stderr=log).returncode
-        if code != 0:
-            sys.exit(f"{folder}: turbid run ended with {code}")
-    summary = json.loads((folder / "run" / "summary.json").read_text())
-    return [(body["center"], body["radius"]) for body in summary["bodies"]]
+
+def published(aspect):
+    """Run-out by Staron and Hinch."""
+    return 2.5 * aspect if aspect < 2.0 else 3.25 * aspect ** 0.7
 
 
 def heap(disks):
@@ -106,25 +81,26 @@ def slope(disks, middle, reach):
         for side in ([0] if x < middle else [1]):
             tops[(side, place)] = max(tops.get((side, place), 0.0), y + radius)
     points = [((place + 0.5) * 3.0, top) for (_, place), top in tops.items() if 0.2 * reach < (place + 0.5) * 3.0 < 0.8 * reach]
-    mean = [sum(values) / len(points) for values in zip(*points)]
-    return -sum((x - mean[0]) * (y - mean[1]) for x, y in points) / sum((x - mean[0]) ** 2 for x, _ in points)
+    return -line(points)[0]
 
 
-def collapse(program, count, aspect, friction, seed, log):
+def collapse(program, count, aspect, friction, seed):
     half = math.sqrt(count * math.pi * 1.023 / (2.0 * PACKED * aspect))
-    tall = 2.0 * half * aspect
-    folder = OUT / f"{count},a={aspect},mu={friction},seed={seed}"
-    settle = SETTLE.format(seed=seed, width=2.0 * half, height=1.35 * half * aspect + 6.0, count=count, end=round(1.5 * math.sqrt(tall) + 10.0, 1))
-    disks = run(program, OUT / f"{count},a={aspect},seed={seed}", settle, log)
+    end = round(1.5 * math.sqrt(2.0 * half * aspect) + 10.0, 1)
+    size = {"width": 2.0 * half, "height": 1.35 * half * aspect + 6.0}
+    settle = SCENE.format(seed=seed, **size, placed=RANDOM.format(count=count), friction=0, end=end, every=end)
+    disks = bodies(run(program, OUT / f"{count},a={aspect},seed={seed}", settle))
     highest = max(y + radius for (_, y), radius in disks)
-    runout = 2.0 * (2.5 * aspect if aspect < 2.0 else 3.25 * aspect ** 0.7) + 1.0
-    wide = 2.0 * half * (runout + 1.0)
+    wide = 2.0 * half * (2.0 * published(aspect) + 2.0)
+    folder = OUT / f"{count},a={aspect},mu={friction},seed={seed}"
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / "column.csv", "w") as table:
         table.write("x,y,radius\n")
         table.writelines(f"{x - half + 0.5 * wide!r},{y!r},{radius!r}\n" for (x, y), radius in disks)
     end = round(4.0 * math.sqrt(2.0 * highest) + 10.0, 1)
-    disks = heap(run(program, folder, RELEASE.format(width=wide, height=highest + 3.0, friction=friction, end=end, every=end / 20.0), log))
+    size = {"width": wide, "height": highest + 3.0}
+    release = SCENE.format(seed=seed, **size, placed='file = "column.csv"', friction=friction, end=end, every=end / 20.0)
+    disks = heap(bodies(run(program, folder, release)))
     middle = 0.5 * wide
     reach = 0.5 * (max(x for (x, _), _ in disks) - min(x for (x, _), _ in disks))
     height = max(y + radius for (x, y), radius in disks if abs(x - middle) < 0.2 * half + 3.0)
@@ -132,33 +108,25 @@ def collapse(program, count, aspect, friction, seed, log):
             "angle": math.degrees(math.atan(slope(disks, middle, reach)))}
 
 
-def exponent(points):
-    """Power of a law through (x, y), by least squares of logarithms, with its standard error."""
-    logs = [(math.log(x), math.log(y)) for x, y in points]
-    mean = [sum(values) / len(logs) for values in zip(*logs)]
-    wide = sum((x - mean[0]) ** 2 for x, _ in logs)
-    power = sum((x - mean[0]) * (y - mean[1]) for x, y in logs) / wide
-    off = sum((y - mean[1] - power * (x - mean[0])) ** 2 for x, y in logs)
-    return power, math.sqrt(off / max(len(logs) - 2, 1) / wide)
+def exponent(rows, quantity):
+    """Power of the aspect ratio with which a quantity goes, with its standard error."""
+    return "{:.2f} +- {:.2f}".format(*line((math.log(row["aspect"]), math.log(row[quantity])) for row in rows))
 
 
 def main():
     program, count = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 500
-    OUT.mkdir(parents=True, exist_ok=True)
+    if count < 200:
+        sys.exit(f"{count} disks: of fewer than 200 a tall column leaves its middle bare; take more")
     rows = []
     print("| disks | aspect ratio | friction | run-out | published, friction 1 | final height | slope of the deposit, degrees |\n|-|-|-|-|-|-|-|")
-    with open(OUT / "log", "a") as log:
-        for aspect, friction in [(0.6, 0.5), (1.0, 0.5), (1.5, 0.5), (3.0, 0.5), (5.0, 0.5), (8.0, 0.5), (1.0, 0.2), (1.0, 1.0)]:
-            row = collapse(program, count, aspect, friction, 1, log)
-            rows.append(row)
-            row["law"] = 2.5 * row["aspect"] if row["aspect"] < 2.0 else 3.25 * row["aspect"] ** 0.7
-            print("| {disks} | {aspect:.2f} | {friction} | {runout:.2f} | {law:.2f} | {height:.3f} | {angle:.1f} |".format(**row), flush=True)
+    for aspect, friction in [(0.6, 0.5), (1.0, 0.5), (1.5, 0.5), (3.0, 0.5), (5.0, 0.5), (8.0, 0.5), (1.0, 0.2), (1.0, 1.0)]:
+        row = collapse(program, count, aspect, friction, 1)
+        rows.append(row)
+        print("| {disks} | {aspect:.2f} | {friction} | {runout:.2f} | {law:.2f} | {height:.3f} | {angle:.1f} |".format(**row, law=published(row["aspect"])), flush=True)
     own = [row for row in rows if row["friction"] == 0.5]
     for name, side in [("below 2", [row for row in own if row["aspect"] < 2.0]), ("above 2", [row for row in own if row["aspect"] > 2.0])]:
-        power, error = exponent([(row["aspect"], row["runout"]) for row in side])
-        print(f"run-out goes with the power {power:.2f} +- {error:.2f} of aspect ratios {name}")
-    power, error = exponent([(row["aspect"], row["height"]) for row in own if row["aspect"] > 1.0])
-    print(f"final height goes with the power {power:.2f} +- {error:.2f} of aspect ratios above 1")
+        print(f"run-out goes with the power {exponent(side, 'runout')} of aspect ratios {name}")
+    print(f"final height goes with the power {exponent([row for row in own if row['aspect'] > 1.0], 'height')} of aspect ratios above 1")
 
 
 if __name__ == "__main__":

@@ -9,8 +9,9 @@ The height of the box is given, and the pressure comes out. Published, for disks
 import csv
 import math
 import pathlib
-import subprocess
 import sys
+
+from common import line, run
 
 OUT = pathlib.Path("out/study/granular")
 WIDTH, COUNT, SPEED = 30.3, 360, 10.0
@@ -90,8 +91,7 @@ def measure(folder):
         normals.append(-mean("particle_stress_yy"))
         fractions.append(mean("fraction"))
         points = [(float(row["position"]), float(row["particle_velocity_x"])) for row in middle if row["particle_velocity_x"]]
-        centre = [sum(values) / len(points) for values in zip(*points)]
-        rates.append(sum((y - centre[0]) * (u - centre[1]) for y, u in points) / sum((y - centre[0]) ** 2 for y, _ in points))
+        rates.append(line(points)[0])
     pressure, rate = sum(normals) / len(normals), sum(rates) / len(rates)
     # of a ratio of means: the scatter of what is left of its equation
     left = with_interval([shear - sum(shears) / sum(normals) * normal for shear, normal in zip(shears, normals)])[1]
@@ -103,15 +103,7 @@ def main():
     program = sys.argv[1]
     print("| fraction asked for | inertial number | friction of the flow | da Cruz et al. | fraction in the middle | da Cruz et al. |\n|-|-|-|-|-|-|")
     for asked in [0.65, 0.66, 0.68]:
-        folder = OUT / f"{asked}"
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "scene.toml").write_text(scene(asked, 16.0))
-        if not (folder / "run" / "summary.json").exists():
-            with open(folder / "log", "w") as log:
-                code = subprocess.run([program, "run", str(folder / "scene.toml"), "--out", str(folder / "run"), "--force"], stdout=log, stderr=log).returncode
-            if code != 0:
-                sys.exit(f"{folder}: turbid run ended with {code}; see {folder}/log")
-        found = measure(folder / "run")
+        found = measure(run(program, OUT / f"{asked}", scene(asked, 16.0)))
         number = found["I"]
         print(f"| {asked} | {number:.4f} | {found['mu']:.3f} +- {found['mu width']:.3f} | {0.26 + number:.3f} | {found['fraction']:.4f} +- {found['width']:.4f} "
               f"| {0.81 - 0.31 * number:.4f} |", flush=True)

@@ -24,18 +24,19 @@ PARTS = ["series.viscosity", "series.viscosity_hydrodynamic", "series.viscosity_
          "series.particle_pressure", "series.contact_number"]
 SPACE = PARTS + ["series.second_normal_difference"]
 
-#: Name, scene, keys that are varied, seeds, quantities.
-SWEEPS = [
-    ("disks", "disks", {"bodies.0.fraction": ["0.1", "0.3", "0.5", "0.6", "0.66", "0.7"], "contact.friction": FRICTION}, 1, PARTS),
-    ("spheres", "spheres", {"bodies.0.fraction": ["0.1", "0.2", "0.3", "0.4", "0.45", "0.5"], "contact.friction": FRICTION}, 1, SPACE),
-    ("reversal", "reversal", {"contact.friction": ["0.5"]}, 3, ["last.viscosity"]),
-    ("thickening", "thickening", {"contact.friction.critical_load": ["0.1", "1", "3", "10", "30", "100"]}, 1, PARTS),
-]
+#: By the name of a scene beside this file, the longest first: keys that are varied, seeds, quantities.
+SWEEPS = {
+    "spheres": ({"bodies.0.fraction": ["0.1", "0.2", "0.3", "0.4", "0.45", "0.5"], "contact.friction": FRICTION}, 1, SPACE),
+    "disks": ({"bodies.0.fraction": ["0.1", "0.3", "0.5", "0.6", "0.66", "0.7"], "contact.friction": FRICTION}, 1, PARTS),
+    "reversal": ({"contact.friction": ["0.5"]}, 3, ["last.viscosity"]),
+    "thickening": ({"contact.friction.critical_load": ["0.1", "1", "3", "10", "30", "100"]}, 1, PARTS),
+}
 
 
-def sweep(program, name, scene, varied, seeds, quantities):
+def sweep(program, name):
     """Runs what is missing of a sweep and gives its table."""
-    command = [program, "sweep", str(HERE / f"{scene}.toml"), "--out", str(OUT / name), "--seeds", str(seeds), "--quantity", ",".join(quantities)]
+    varied, seeds, quantities = SWEEPS[name]
+    command = [program, "sweep", str(HERE / f"{name}.toml"), "--out", str(OUT / name), "--seeds", str(seeds), "--quantity", ",".join(quantities)]
     for key, values in varied.items():
         command += ["--vary", f"{key}={','.join(values)}"]
     OUT.mkdir(parents=True, exist_ok=True)
@@ -43,16 +44,16 @@ def sweep(program, name, scene, varied, seeds, quantities):
         code = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT).returncode
     if code != 0:
         sys.exit(f"{name}: turbid sweep ended with {code}; see {OUT / name}.log")
-    return read(name, varied)
+    return read(name)
 
 
-def read(name, varied):
+def read(name):
     """The table of a sweep, with the reasons why runs ended."""
     with open(OUT / name / "sweep.csv") as table:
         rows = list(csv.DictReader(table))
     remarks = (OUT / name / "sweep.md").read_text()
     for row in rows:
-        point = re.escape(", ".join(f"{key} = {row[key]}" for key in varied))
+        point = re.escape(", ".join(f"{key} = {row[key]}" for key in SWEEPS[name][0]))
         jammed = re.findall(point + r": .*strain ([0-9.]+), bodies are jammed", remarks)
         without = re.findall(point + r": .*at time ([0-9.]{1,4})[0-9]* no rate goes", remarks)
         row["ended"] = "".join([f"jammed at strain {strain}" for strain in jammed] + [f"no rate at this stress from time {time} on" for time in without])
@@ -84,7 +85,7 @@ def jamming(points):
 
 
 def jamming_with_interval(rows):
-    """The same with its 95 % interval, from points that scatter as their own intervals say; of fractions from .4 on (disks) or .3 (spheres)."""
+    """The same with its 95 % interval, from points that scatter as their own intervals say."""
     points = [(number(row["fraction_placed"]), number(row["series.viscosity"]), number(row["series.viscosity.high"]) - number(row["series.viscosity"])) for row in rows]
     points = [point for point in points if not math.isnan(point[1])]
     draw = random.Random(1)
@@ -226,15 +227,14 @@ def dry(program, name):
 
 
 def page(tables, granular, collapse):
-    disks, spheres, _, loads = tables
     parts = {
-        "DISKS": figures(disks, False),
-        "SPHERES": figures(spheres, True),
-        "DISKS_LIMITS": limits(disks, 0.45),
-        "SPHERES_LIMITS": limits(spheres, 0.25),
-        "REFERENCES": references(spheres),
+        "DISKS": figures(tables["disks"], False),
+        "SPHERES": figures(tables["spheres"], True),
+        "DISKS_LIMITS": limits(tables["disks"], 0.45),
+        "SPHERES_LIMITS": limits(tables["spheres"], 0.25),
+        "REFERENCES": references(tables["spheres"]),
         "TRANSIENT": transient(),
-        "THICKENING": thickening(loads),
+        "THICKENING": thickening(tables["thickening"]),
         "GRANULAR": granular,
         "COLLAPSE": collapse,
     }
@@ -253,11 +253,9 @@ def page(tables, granular, collapse):
 def main():
     program = sys.argv[1]
     with ThreadPoolExecutor(2) as pool:
-        # the longest first
-        order = [1, 0, 2, 3]
-        jobs = {place: pool.submit(sweep, program, *SWEEPS[place]) for place in order}
+        jobs = {name: pool.submit(sweep, program, name) for name in SWEEPS}
         granular, collapse = (pool.submit(dry, program, name) for name in ("granular", "collapse"))
-        tables = [jobs[place].result() for place in range(len(SWEEPS))]
+        tables = {name: job.result() for name, job in jobs.items()}
     page(tables, granular.result(), collapse.result())
     print("docs/study.md")
 
