@@ -4,14 +4,14 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::room::{self, CELLS_AT_ENDS, Ends};
+use super::room::{self, CELLS_AT_ENDS, Room};
 use crate::{
     body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, read_places, skew},
     error::{Error, Result},
     geometry::{Axis, Ball, Domain, Inflow, InvalidConfiguration, LeesEdwards, Protocol, first_fault},
     linalg::ROUNDING,
     parallel::Peers,
-    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Placement, Scene},
+    scene::{self, AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Placement, Region, Scene},
 };
 
 /// Disks of unit diameter on a sphere of unit radius at most, times the square of the diameter: `16 x .9069`.
@@ -77,13 +77,12 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
         let form = form(scene, group, domain)?;
         let balls = match (&form, &bodies.placement) {
             (Some(form), Placement::Count(count)) => {
-                let ends = Ends::of(scene, domain)?;
-                let obstacles: Vec<Ball<D>> =
-                    given.iter().map(|&(_, ball): &(usize, Ball<D>)| Ball { center: ball.center - ends.start(), ..ball }).collect();
-                let placed = place_chains(&ends.between(domain), &obstacles, (form, *count), bodies.gap, scene.seed);
+                let room = Room::of(scene, domain, bodies)?;
+                let obstacles = room.obstacles(domain, given.iter().map(|&(_, ball): &(usize, Ball<D>)| ball));
+                let placed = place_chains(&room.domain, &obstacles, (form, *count), bodies.gap, scene.seed);
                 let centers =
                     placed.map_err(|error| scene.refuse(&format!("{}.count", scene.group_key(group)), count, &error.to_string()))?;
-                centers.into_iter().map(|center| Ball { center: center + ends.start(), radius: bodies.radius }).collect()
+                centers.into_iter().map(|center| Ball { center: center + room.start, radius: bodies.radius }).collect()
             }
             (form, _) => {
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, "file", error))?;
@@ -107,20 +106,36 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
 fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Result<Vec<(usize, Ball<D>)>> {
     // no rank may wait for one that has refused
     let Asked { given: mut balls, counts } = peers.agree(asked(scene, domain))?;
-    let obstacles: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
-    let (mut random, mut gap) = (Vec::new(), 0.0_f64);
-    for (group, (bodies, &count)) in scene.bodies.iter().zip(&counts).enumerate() {
-        random.extend(bodies.radii(D, count as usize).into_iter().map(|radius| (group, radius)));
-        gap = if count > 0.0 { gap.max(bodies.gap) } else { gap };
+    let mut taken: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
+    let mut random: Vec<(usize, Ball<D>)> = Vec::new();
+    for members in Room::<D>::groups(scene, &counts) {
+        let placed = place_at_random(peers, scene, domain, (&members, &counts), &taken)?;
+        taken.extend(placed.iter().map(|&(_, ball)| ball));
+        random.extend(placed);
     }
-    let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
-    let refuse = |error: Error| room::refuse_number(scene, random[0].0, &error.to_string());
-    let ends = if random.is_empty() { Ends::NONE } else { Ends::of(scene, domain)? };
-    let (between, start) = (ends.between(domain), ends.start());
-    let obstacles: Vec<Ball<D>> = obstacles.into_iter().map(|ball| Ball { center: ball.center - start, ..ball }).collect();
-    let centers = pack_on(peers, &between, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
-    balls.extend(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center: center + start, radius })));
+    random.sort_by_key(|(group, _)| *group);
+    balls.extend(random);
     Ok(balls)
+}
+
+/// The balls of the groups of one region, with their groups, among those that are there.
+fn place_at_random<const D: usize>(
+    peers: Peers,
+    scene: &Scene,
+    domain: &Domain<D>,
+    (members, counts): (&[usize], &[f64]),
+    taken: &[Ball<D>],
+) -> Result<Vec<(usize, Ball<D>)>> {
+    let of_group = |group: usize| scene.bodies[group].radii(D, counts[group] as usize).into_iter().map(move |radius| (group, radius));
+    let random: Vec<(usize, f64)> = members.iter().flat_map(|&group| of_group(group)).collect();
+    let gap = members.iter().map(|&group| scene.bodies[group].gap).fold(0.0, f64::max);
+    let room = Room::of(scene, domain, &scene.bodies[members[0]])?;
+    let obstacles = room.obstacles(domain, taken.iter().copied());
+    let radii: Vec<f64> = random.iter().map(|&(_, radius)| radius).collect();
+    let place = if scene.bodies[members[0]].region.is_some() { "in their region, which takes the place of the box: " } else { "" };
+    let refuse = |error: Error| room::refuse_number(scene, members[0], &format!("{place}{error}"));
+    let centers = pack_on(peers, &room.domain, &obstacles, &radii, gap, scene.seed).map_err(refuse)?;
+    Ok(random.into_iter().zip(centers).map(|((group, radius), center)| (group, Ball { center: center + room.start, radius })).collect())
 }
 
 fn given_balls<const D: usize>(group: &BodyGroup) -> Result<Vec<Ball<D>>> {
@@ -269,7 +284,7 @@ fn random_count<const D: usize>(scene: &Scene, group: usize, bodies: &BodyGroup,
         Placement::Count(count) => Ok(count as f64),
         Placement::Fraction(fraction) => {
             let one = Ball { center: SVector::<f64, D>::zeros(), radius: bodies.radius }.volume() * bodies.mean_volume(D);
-            let count = (fraction * domain.volume() / one).round();
+            let count = (fraction * bodies.region.as_ref().map_or(domain.volume(), Region::volume) / one).round();
             let remedy = "is less than half a body; enlarge domain.size or lower the radius";
             if count < 1.0 { Err(room::refuse_number(scene, group, remedy)) } else { Ok(count) }
         }

@@ -4,7 +4,7 @@ use nalgebra::SVector;
 
 use crate::{
     error::{Error, Result},
-    geometry::{Ball, Domain},
+    geometry::{Axis, Ball, Domain},
     grid::{FEWEST_CELLS, MOST_INDEX, MOST_UNKNOWNS, WIDER_INDICES, cells_along},
     parallel::free_memory_bytes,
     petsc::INDEX_BITS,
@@ -35,13 +35,78 @@ const CROWD: f64 = 500.0;
 /// [`Error::Refused`], naming the key.
 pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize, Ball<D>)], counts: &[f64]) -> Result<()> {
     check_numbers(scene, counts)?;
-    if counts.iter().any(|&count| count > 0.0) {
-        check_filling(scene, &Ends::of(scene, domain)?.between(domain), given, counts)?;
+    for members in Room::<D>::groups(scene, counts) {
+        let room = Room::of(scene, domain, &scene.bodies[members[0]])?;
+        let own: Vec<f64> = (0..counts.len()).map(|group| if members.contains(&group) { counts[group] } else { 0.0 }).collect();
+        let inside: Vec<_> = given.iter().copied().filter(|(_, ball)| room.holds(ball)).collect();
+        check_filling(scene, &room.domain, &inside, &own)?;
     }
     let random =
         scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, count)| bodies.smallest_of(D, *count as usize));
     let smallest = given.iter().map(|(_, ball)| ball.radius).chain(random).fold(f64::INFINITY, f64::min);
     check_grid(scene, domain, smallest)
+}
+
+/// The part of the box in which bodies are placed at random: without the ends where fluid flows in or out, or the region of their group.
+#[derive(Debug, Clone)]
+pub struct Room<const D: usize> {
+    /// A box of that size: walls bound it where the box goes on.
+    pub domain: Domain<D>,
+    /// Its lower corner.
+    pub start: SVector<f64, D>,
+}
+
+impl<const D: usize> Room<D> {
+    /// That of a group.
+    ///
+    /// # Errors
+    /// Nothing is left between ends where fluid flows in and out.
+    pub fn of(scene: &Scene, domain: &Domain<D>, bodies: &BodyGroup) -> Result<Room<D>> {
+        let ends = Ends::of(scene, domain)?;
+        let mut room = Room { domain: ends.between(domain), start: ends.start() };
+        let Some(region) = &bodies.region else { return Ok(room) };
+        for axis in (0..D).filter(|&axis| !region.spans(axis, domain.size[axis])) {
+            room.start[axis] = region.lower[axis];
+            room.domain.size[axis] = region.upper[axis] - region.lower[axis];
+            room.domain.axes[axis] = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        }
+        Ok(room)
+    }
+
+    /// Groups of which bodies are placed at random, those of one region together, in the order of their first ones.
+    pub fn groups(scene: &Scene, counts: &[f64]) -> Vec<Vec<usize>> {
+        let mut all: Vec<Vec<usize>> = Vec::new();
+        for group in (0..counts.len()).filter(|&group| counts[group] > 0.0) {
+            let region = &scene.bodies[group].region;
+            match all.iter_mut().find(|members| scene.bodies[members[0]].region == *region) {
+                Some(members) => members.push(group),
+                None => all.push(vec![group]),
+            }
+        }
+        all
+    }
+
+    /// Balls that reach into it, or their images, seen from where it begins.
+    pub fn obstacles(&self, domain: &Domain<D>, balls: impl IntoIterator<Item = Ball<D>>) -> Vec<Ball<D>> {
+        // along axes that go on in the room a ball stands for its images
+        let images = |axis: usize| if domain.periodic(axis) && !self.domain.periodic(axis) { -1..=1 } else { 0..=0 };
+        let mut offsets = vec![-self.start];
+        for axis in 0..D {
+            let one = |turns: isize| domain.offset(std::array::from_fn(|other| if other == axis { turns } else { 0 }));
+            offsets = offsets.iter().flat_map(|offset| images(axis).map(move |turns| offset + one(turns))).collect();
+        }
+        let seen = |ball: Ball<D>| offsets.iter().map(move |offset| Ball { center: ball.center + offset, ..ball }).collect::<Vec<_>>();
+        balls.into_iter().flat_map(seen).filter(|ball| self.reaches(ball)).collect()
+    }
+
+    fn reaches(&self, ball: &Ball<D>) -> bool {
+        let beyond = |axis: usize| (-ball.center[axis]).max(ball.center[axis] - self.domain.size[axis]);
+        (0..D).all(|axis| self.domain.periodic(axis) || beyond(axis) < ball.radius)
+    }
+
+    fn holds(&self, ball: &Ball<D>) -> bool {
+        (0..D).all(|axis| (0.0..=self.domain.size[axis]).contains(&(ball.center[axis] - self.start[axis])))
+    }
 }
 
 /// What random bodies leave free where fluid flows in and out: what they must on the coarsest grid, so that they lie in the same places on every one.

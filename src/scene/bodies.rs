@@ -11,6 +11,7 @@ use crate::scene::FlowModel;
 use crate::scene::chains::{self, Chain, ChainShape};
 use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
+use crate::scene::region::Region;
 use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
 use crate::scene::sections::friction;
 use crate::scene::sizes::SizeDistribution;
@@ -33,6 +34,8 @@ pub struct BodyGroup {
     pub sizes: Option<SizeDistribution>,
     /// Where the bodies start.
     pub placement: Placement,
+    /// The part of the box in which those that are placed at random lie, if it is not all of it.
+    pub region: Option<Region>,
     /// How cells and clusters with given centers are turned at the start: in 2D an angle in radians, counterclockwise; in 3D a vector about which, by its
     /// length.
     pub rotation: Option<Vec<f64>>,
@@ -171,6 +174,7 @@ impl BodyGroup {
             radius,
             sizes: None,
             placement,
+            region: None,
             rotation,
             gap,
             density,
@@ -257,6 +261,7 @@ impl BodyGroup {
         Ok(BodyGroup {
             shape: shape.unwrap_or(default.shape),
             sizes: read_sizes(&table, &default)?,
+            region: read_region(&table, &default, dimension)?,
             gap: read_gap(&table, &default)?,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             friction: table.get("friction").map(|entry| friction(&entry)).transpose()?,
@@ -297,6 +302,7 @@ impl BodyGroup {
         };
         Ok(BodyGroup {
             rotation: table.get("rotation").map(rotation).transpose()?,
+            region: read_region(table, &default, dimension)?,
             gap: table.get("gap").map_or(Ok(default.gap), |entry| entry.not_negative())?,
             density: table.get("density").map_or(Ok(default.density), |entry| entry.not_negative())?,
             force: table.get("force").map(|entry| entry.vector(dimension)).transpose()?,
@@ -334,6 +340,12 @@ fn read_sizes(table: &Table, default: &BodyGroup) -> Result<Option<SizeDistribut
     let remedy = "only bodies placed by fraction or count differ so; remove it, or give the table of a file the column radius";
     entry.expect((), default.at_random(), remedy)?;
     SizeDistribution::read(&entry).map(Some)
+}
+
+fn read_region(table: &Table, default: &BodyGroup, dimension: usize) -> Result<Option<Region>> {
+    let Some(entry) = table.get("region") else { return Ok(None) };
+    entry.expect((), default.at_random(), "only bodies placed by fraction or count are placed in a region; remove it")?;
+    Region::read(&entry, dimension).map(Some)
 }
 
 fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {

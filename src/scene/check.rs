@@ -7,7 +7,7 @@ use crate::geometry::Protocol;
 use crate::scene::demand::{expect, name, walled};
 use crate::scene::{
     AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, Drive, FlowModel, Joint, LubricationModel,
-    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol, region,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -29,6 +29,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_reference(scene)?;
     check_structure_factor(scene)?;
     check_followed(scene)?;
+    region::check(scene)?;
     energy::check(scene)?;
     if scene.dry() {
         return check_dry(scene);

@@ -22,6 +22,15 @@ const GAP: Key = Key::new("gap", "number", "0.1", "Smallest gap between bodies t
     .unit("radii")
     .default("0.05")
     .range("at least 0");
+const REGION: Key = Key::new(
+    "region",
+    "list of lists",
+    "[[0.0, 0.0], [8.0, 4.0]]",
+    "Lower and upper corner of the part of the box in which those that are placed at random lie wholly; a fraction is then one of this part.",
+)
+.unit("length")
+.default("the box")
+.range("within the box");
 const DENSITY: Key = Key::new("density", "number", "2.0", "Density of each ball.")
     .unit("mass/volume; 2D: mass/area")
     .default("1.0")
@@ -48,7 +57,7 @@ const ROTATION: Key = Key::new(
 .unit("radians");
 
 /// Keys of `[[bodies]]`.
-pub(super) const BODY_KEYS: [Key; 15] = [
+pub(super) const BODY_KEYS: [Key; 16] = [
     Key::new("shape", "\"ball\"", "\"ball\"", "A disk in 2D, a sphere in 3D.").default("\"ball\""),
     RADIUS,
     Key::new(
@@ -70,6 +79,7 @@ pub(super) const BODY_KEYS: [Key; 15] = [
     Key::new("centers", "list of lists", "[[2.0, 2.0], [4.0, 2.0]]", "Centres.").unit("length").default(PLACED),
     FILE,
     GAP,
+    REGION.needs("bodies.0.count = 1"),
     DENSITY,
     Key::new(
         "friction",
@@ -164,7 +174,7 @@ pub(super) const OSCILLATING: usize = 2;
 pub(super) const PATH: usize = 6;
 
 /// Keys of `[[chains]]`.
-pub(super) const CHAIN_KEYS: [Key; 15] = [
+pub(super) const CHAIN_KEYS: [Key; 16] = [
     COUNT,
     Key::new("centers", "list of lists", "[[2.0, 2.0], [2.9, 2.0], [3.8, 2.0], [4.7, 2.0]]", "Centres of the beads, chain by chain.")
         .unit("length")
@@ -187,13 +197,14 @@ pub(super) const CHAIN_KEYS: [Key; 15] = [
     Key::new("shape", "\"line\" or \"ring\"", "\"ring\"", "Whether the ends are free or tied to each other.").default("\"line\""),
     Key::new("joints", "\"free\" or \"fixed\"", "\"fixed\"", "Whether beads turn on their own or with the chain.").default("\"free\""),
     GAP,
+    REGION.needs("chains.0.count = 1"),
     DENSITY,
     FORCE,
     TORQUE,
 ];
 
 /// Keys of `[[cells]]`.
-pub(super) const CELL_KEYS: [Key; 16] = [
+pub(super) const CELL_KEYS: [Key; 17] = [
     COUNT,
     Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the cells.").unit("length").default(PLACED),
     FILE,
@@ -236,13 +247,14 @@ pub(super) const CELL_KEYS: [Key; 16] = [
         .default("required")
         .range("above 0"),
     GAP,
+    REGION.needs("cells.0.count = 1"),
     DENSITY,
     FORCE,
     TORQUE,
 ];
 
 /// Keys of `[[clusters]]`.
-pub(super) const CLUSTER_KEYS: [Key; 13] = [
+pub(super) const CLUSTER_KEYS: [Key; 14] = [
     COUNT,
     Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the clusters.").unit("length").default(PLACED),
     FILE,
@@ -266,6 +278,7 @@ pub(super) const CLUSTER_KEYS: [Key; 13] = [
         .default("1.0")
         .range("at least 1"),
     GAP,
+    REGION.needs("clusters.0.count = 1"),
     DENSITY,
     FORCE,
     TORQUE,

@@ -228,6 +228,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         radius,
         sizes,
         placement,
+        region,
         rotation,
         gap,
         density,
@@ -254,6 +255,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         Placement::Centers(centers) => (0..).zip(centers).map(|(index, center)| list(&format!("centers[{index}]"), center)).collect(),
         Placement::File(path) => vec![text("file", &path.to_string_lossy())],
     });
+    keys.extend(region.iter().map(|region| pair("region", region.text())));
     if model != FlowModel::Scalar {
         keys.push(number("density", *density));
         keys.extend(friction.iter().flat_map(|law| of_friction("friction", law)));

@@ -23,6 +23,7 @@ mod overrides;
 mod plane;
 mod protocol;
 mod reference;
+mod region;
 mod scalar;
 mod sections;
 mod sizes;
@@ -36,6 +37,7 @@ pub use difference::Difference;
 pub use key::Key;
 pub use locations::Locations;
 pub use reference::{KeySection, SECTIONS};
+pub use region::Region;
 pub use sections::{
     AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
     LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step,

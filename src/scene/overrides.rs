@@ -60,8 +60,8 @@ impl<'a> Change<'a> {
             ["accuracy"] => (0, vec!["resolution"]),
             ["flow", "drive", key, ..] if DRIVES.contains(key) => (2, DRIVES.to_vec()),
             ["method", "constraint"] => (1, self.foreign_to_the_method()),
-            // a gap and sizes belong to bodies placed at random only, a rotation to cells and clusters whose centers are given
-            [group, _, "centers" | "file", ..] if GROUPS.contains(group) => (2, [&PLACEMENTS[..], &["gap", "sizes"]].concat()),
+            // a gap, a region and sizes belong to bodies placed at random only, a rotation to cells and clusters whose centers are given
+            [group, _, "centers" | "file", ..] if GROUPS.contains(group) => (2, [&PLACEMENTS[..], &["gap", "region", "sizes"]].concat()),
             ["cells", _, "diameter" | "radius", ..] => (2, vec!["diameter", "radius"]),
             ["cells" | "clusters", _, "count", ..] => (2, [&PLACEMENTS[..], &["rotation"]].concat()),
             [group, _, key, ..] if GROUPS.contains(group) && PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),

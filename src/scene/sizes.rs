@@ -110,10 +110,17 @@ impl SizeDistribution {
 
     /// The mean volume of many bodies, over that of one of the group's radius.
     pub fn mean_volume(&self, dimension: usize) -> f64 {
-        const MANY: usize = 4096;
         let power = |radius: &f64| radius.powi(dimension as i32);
         match self {
-            SizeDistribution::LogNormal { .. } => self.radii(dimension, MANY).iter().map(power).sum::<f64>() / MANY as f64,
+            SizeDistribution::LogNormal { deviation, smallest, largest } => {
+                // the moments of a log-normal distribution are those of one whose logarithm is shifted
+                let shift = dimension as f64 * deviation;
+                let between = |shift: f64| {
+                    let [first, last] = [smallest, largest].map(|radius| libm::erfc((shift - radius.ln() / deviation) / SQRT_2));
+                    last - first
+                };
+                (0.5 * shift * shift).exp() * between(shift) / between(0.0)
+            }
             SizeDistribution::List(_) | SizeDistribution::Bidisperse { .. } => {
                 let kinds = self.kinds(dimension);
                 let before = std::iter::once(0.0).chain(kinds.iter().map(|kind| kind.until));
@@ -193,5 +200,8 @@ mod tests {
         let cut = SizeDistribution::LogNormal { deviation: 0.5, smallest: 0.8, largest: 1.25 }.radii(2, 101);
         assert!(cut[0] > 0.8 && cut[100] < 1.25 && (cut[50] - 1.0).abs() < 1e-9);
         assert!((sizes.mean_volume(3) / moment(3) - 1.0).abs() < 1e-3);
+        let narrow = SizeDistribution::LogNormal { deviation: 0.5, smallest: 0.8, largest: 1.25 };
+        let mean = narrow.radii(2, 20_000).iter().map(|radius| radius * radius).sum::<f64>() / 20_000.0;
+        assert!((narrow.mean_volume(2) / mean - 1.0).abs() < 1e-6, "{} for {mean}", narrow.mean_volume(2));
     }
 }

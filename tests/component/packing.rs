@@ -19,6 +19,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(ranks_pack_disks_whose_images_slide_as_one_does_alone),
         Test::of(ranks_pack_spheres_around_an_obstacle_as_one_does_alone),
         Test::of(groups_of_several_sizes_fill_the_fraction_that_they_are_asked_for),
+        Test::of(groups_lie_wholly_in_their_regions_and_clear_of_each_other),
         Test::of(random_bodies_keep_clear_of_inflow_and_outflow_in_the_same_places_on_every_grid),
     ]
 }
@@ -97,4 +98,40 @@ fn groups_of_several_sizes_fill_the_fraction_that_they_are_asked_for(_: &Session
     assert!((small.spacing / 0.125 - 1.0).abs() < 0.03, "{}", small.spacing);
     let spheres = placed::<3>(14.0, 1.0, "{ deviation = 0.2, smallest = 0.7, largest = 1.5 }");
     assert!((spheres.fraction() - 0.4).abs() < 0.003, "{}", spheres.fraction());
+}
+
+/// Two layers with a given disk between them across an end of the box, a chain in a third region and disks of no region around all of them.
+fn groups_lie_wholly_in_their_regions_and_clear_of_each_other(session: &Session) {
+    for axes in ["", "y = \"walls\"\n", "flow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\n"] {
+        let (domain, drive) = if axes.starts_with("flow") { ("", axes) } else { (axes, "") };
+        let text = format!(
+            "{drive}[domain]\nsize = [20.0, 16.0]\n{domain}[resolution]\nspacing = 0.1\n\
+             [[bodies]]\nradius = 1.0\ncenters = [[7.0, {}], [0.2, 8.0]]\n\
+             [[bodies]]\nradius = 0.5\nfraction = 0.5\nregion = [[0.0, 0.2], [20.0, 5.0]]\n\
+             [[bodies]]\nradius = 0.4\ncount = 40\nregion = [[2.0, 9.0], [12.0, 15.9]]\n\
+             [[bodies]]\nradius = 0.3\ncount = 60\n\
+             [[bodies]]\nradius = 0.2\nfraction = 0.1\nregion = [[0.0, 0.2], [20.0, 5.0]]\n\
+             [[chains]]\nradius = 0.25\nbeads = 4\ncount = 6\nstretch = \"rigid\"\nregion = [[14.0, 6.0], [19.0, 12.0]]\n",
+            if domain.is_empty() { 15.7 } else { 14.8 }
+        );
+        let scene = Scene::parse("regions", Path::new("."), &text, &[]).unwrap();
+        let setup = Setup::<2>::on(session.world().into(), &scene).unwrap();
+        let group = |ball: &Ball<2>| scene.bodies.iter().position(|bodies| bodies.radius == ball.radius).unwrap();
+        let balls: Vec<(usize, Ball<2>)> = setup.bodies.iter().map(|suspended| (group(&suspended.body.ball), suspended.body.ball)).collect();
+        for &(group, Ball { center, radius }) in &balls {
+            let Some(region) = &scene.bodies[group].region else { continue };
+            let within = |axis: usize| region.lower[axis] + radius <= center[axis] + 1e-9 && center[axis] + radius <= region.upper[axis] + 1e-9;
+            assert!((0..2).all(|axis| region.spans(axis, setup.domain.size[axis]) || within(axis)), "{group}: {center} of {region:?}");
+        }
+        let only: Vec<Ball<2>> = balls.iter().map(|&(_, ball)| ball).collect();
+        assert_eq!(first_fault(&setup.domain, &only), None);
+        let filled = |group: usize| balls.iter().filter(|(own, _)| *own == group).map(|(_, ball)| ball.volume()).sum::<f64>() / (20.0 * 4.8);
+        assert!((filled(1) - 0.5).abs() < 0.005 && (filled(4) - 0.1).abs() < 0.001, "{} {}", filled(1), filled(4));
+        let at_random: Vec<usize> = balls.iter().map(|(group, _)| *group).filter(|group| (1..5).contains(group)).collect();
+        assert!(at_random.is_sorted() && balls.len() == at_random.len() + 2 + 24);
+        assert_eq!(only, Setup::<2>::of(&scene).unwrap().bodies.iter().map(|suspended| suspended.body.ball).collect::<Vec<_>>());
+    }
+    let small = "domain = { size = [8.0, 8.0] }\nresolution = { spacing = 0.1 }\nbodies = [{ radius = 0.5, count = 1, region = [[0.0, 0.0], [0.9, 8.0]] }]\n";
+    let refused = Setup::<2>::of(&Scene::parse("small", Path::new("."), small, &[]).unwrap()).unwrap_err().to_string();
+    assert!(refused.contains("count = 1: in their region") && refused.contains("does not fit between the walls"), "{refused}");
 }

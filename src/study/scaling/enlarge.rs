@@ -38,6 +38,7 @@ pub fn write_enlarged<const D: usize>(scene: &Scene, copies: [usize; D], folder:
     let size: Vec<f64> = scene.domain.size.iter().zip(copies).map(|(size, copies)| size * copies as f64).collect();
     let mut changes = vec![format!("domain.size={size:?}")];
     for (group, bodies) in scene.bodies.iter().enumerate() {
+        changes.extend(region(scene, group, &copies, &size)?);
         let given = match &bodies.placement {
             Placement::Fraction(_) => continue,
             Placement::Count(count) => {
@@ -58,6 +59,20 @@ pub fn write_enlarged<const D: usize>(scene: &Scene, copies: [usize; D], folder:
     let path = folder.join(format!("{}.toml", scene.name));
     write_whole(&path, text.as_bytes())?;
     Ok(path)
+}
+
+/// The change of the region of a group, if it has one.
+fn region(scene: &Scene, group: usize, copies: &[usize], size: &[f64]) -> Result<Option<String>> {
+    let Some(region) = &scene.bodies[group].region else { return Ok(None) };
+    let mut enlarged = region.clone();
+    for axis in (0..copies.len()).filter(|&axis| copies[axis] > 1) {
+        if !region.spans(axis, scene.domain.size[axis]) {
+            let remedy = "ends within the box along an axis that grows for weak scaling; let it reach from end to end there";
+            return Err(scene.refuse(&format!("{}.region", scene.group_key(group)), region.text(), remedy));
+        }
+        enlarged.upper[axis] = size[axis];
+    }
+    Ok(Some(format!("bodies.{group}.region={}", enlarged.text())))
 }
 
 /// Bodies and their copies, a line each.
