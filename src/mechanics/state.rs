@@ -212,18 +212,18 @@ impl<const D: usize> State<D> {
     }
 
     /// Whether a contact of a body is this rank's to tell: of two ranks that know it, that of the first body.
-    pub fn tells(&self, body: usize) -> bool {
+    pub fn reports(&self, body: usize) -> bool {
         self.place(body).is_some()
     }
 
     /// The contacts that bore a force and that this rank tells of.
-    pub fn told(&self) -> impl Iterator<Item = &ContactHistory<D>> {
-        self.held.iter().filter(|held| self.tells(held.body))
+    pub fn reported(&self) -> impl Iterator<Item = &ContactHistory<D>> {
+        self.held.iter().filter(|held| self.reports(held.body))
     }
 
     /// The contacts that stick and that this rank tells of.
-    pub fn told_stuck(&self) -> impl Iterator<Item = &AdhesiveContact<D>> {
-        self.stuck.iter().filter(|stuck| self.tells(stuck.body))
+    pub fn reported_adhesive(&self) -> impl Iterator<Item = &AdhesiveContact<D>> {
+        self.stuck.iter().filter(|stuck| self.reports(stuck.body))
     }
 
     /// The ranks that have parts of this state: none but this one where each has all of it.
@@ -240,9 +240,9 @@ impl<const D: usize> State<D> {
     /// The contacts of all ranks that bore a force, on every rank. Collective.
     pub fn all_held(&self, world: &World) -> Vec<ContactHistory<D>> {
         if self.share == Share::Whole {
-            return self.told().copied().collect();
+            return self.reported().copied().collect();
         }
-        let numbers: Vec<f64> = self.told().flat_map(ContactHistory::pack).collect();
+        let numbers: Vec<f64> = self.reported().flat_map(ContactHistory::pack).collect();
         let mut all: Vec<_> = world.gather(&numbers).chunks(ContactHistory::<D>::LENGTH).map(ContactHistory::unpack).collect();
         all.sort_unstable_by_key(ContactHistory::identity);
         all
@@ -250,11 +250,11 @@ impl<const D: usize> State<D> {
 
     /// The contacts of all ranks that stick, each with its memory, on every rank. Collective.
     pub fn all_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        let told = self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma));
+        let reported = self.reported_adhesive().map(|stuck| (stuck.identity(), stuck.gamma));
         if self.share == Share::Whole {
-            return told.collect();
+            return reported.collect();
         }
-        let numbers: Vec<f64> = told.flat_map(|(identity, number)| pack(identity, number)).collect();
+        let numbers: Vec<f64> = reported.flat_map(|(identity, number)| pack(identity, number)).collect();
         let mut all: Vec<(Identity<D>, f64)> = world.gather(&numbers).chunks(packed_length::<D>()).map(unpack).collect();
         all.sort_unstable_by_key(|(identity, _)| *identity);
         all

@@ -121,8 +121,8 @@ impl<'a, const D: usize> Displacements<'a, D> {
 
     /// Mean squares over bodies of what they go between two configurations.
     fn squares(&self, from: usize, to: usize) -> SVector<f64, D> {
-        let ways = self.paths[from].iter().zip(&self.paths[to]).map(|(from, to)| to - from);
-        ways.map(|way| way.component_mul(&way)).sum::<SVector<f64, D>>() / self.paths[from].len() as f64
+        let displacements = self.paths[from].iter().zip(&self.paths[to]).map(|(from, to)| to - from);
+        displacements.map(|displacement| displacement.component_mul(&displacement)).sum::<SVector<f64, D>>() / self.paths[from].len() as f64
     }
 
     /// Half the growth of mean squares over time along each axis, from a sixteenth of the run to an eighth; nothing where there are too few configurations.

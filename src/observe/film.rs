@@ -86,7 +86,7 @@ impl Film {
     }
 
     /// Time and strain in words.
-    pub fn told_of(&self, time: f64) -> String {
+    pub fn time_label(&self, time: f64) -> String {
         let strain = self.rate.map_or(String::new(), |rate| format!(", strain {:.3}", rate.abs() * time));
         format!("time {time:.3}{strain}")
     }

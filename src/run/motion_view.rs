@@ -71,10 +71,10 @@ impl<'a, const D: usize> MotionView<'a, D> {
     pub fn contact_totals(&self, world: &World) -> ContactTotals {
         let state = self.state();
         let held = self.held();
-        let told = || held.iter().filter(|held| state.tells(held.body));
-        let ends = told().flat_map(|held| bodies_of(held.identity())).count();
-        let force: f64 = told().map(|held| held.force).sum();
-        let mut sums = [told().count() as f64, force, state.told_stuck().count() as f64, ends as f64];
+        let reported = || held.iter().filter(|held| state.reports(held.body));
+        let ends = reported().flat_map(|held| bodies_of(held.identity())).count();
+        let force: f64 = reported().map(|held| held.force).sum();
+        let mut sums = [reported().count() as f64, force, state.reported_adhesive().count() as f64, ends as f64];
         let gamma = state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min);
         let peers = state.peers(world);
         peers.sum(&mut sums);
@@ -102,7 +102,7 @@ impl<'a, const D: usize> MotionView<'a, D> {
             let way = contact.normal * (ball.radius + contact.gap + radius);
             ForceLine { from: ball.center, way, radii: [ball.radius, radius], force: held.force }
         };
-        held.iter().filter(|held| self.state().tells(held.body)).map(line).collect()
+        held.iter().filter(|held| self.state().reports(held.body)).map(line).collect()
     }
 
     /// The contact forces of all bodies as lines in the plane of two axes, on the first rank; none elsewhere. Collective.

@@ -103,15 +103,17 @@ impl Family {
     fn runs(self) -> Vec<Run> {
         match self {
             Family::Settling => {
-                let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(4)];
-                ways.map(|way| run(move |session| settling(session, way))).into()
+                let discretisations =
+                    [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(4)];
+                discretisations.map(|discretisation| run(move |session| settling(session, discretisation))).into()
             }
             Family::Adjoint => ["mean-value", "distributed", "penalty"].into_iter().flat_map(of_first_order).collect(),
             Family::Couette => COUETTE
                 .iter()
                 .flat_map(|&(reynolds, spin, stress)| {
-                    let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(6)];
-                    ways.map(|way| run(move |session| couette(session, way, reynolds, [spin, stress])))
+                    let discretisations =
+                        [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(6)];
+                    discretisations.map(|discretisation| run(move |session| couette(session, discretisation, reynolds, [spin, stress])))
                 })
                 .collect(),
             Family::OscillatingDisk => oscillations::<2>(),

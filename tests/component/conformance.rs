@@ -178,12 +178,12 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let grid = Grid::new(&domain, 0.25, world.size(), world.rank()).unwrap();
     let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
     let layout = MultiplierLayout::new(&grid, &centers, &[13; 6], world.rank());
-    let crowd = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
+    let neighbourhood = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
     let Some(resistance) = interaction.resistance() else { return };
-    let rows = resistance.rows(&crowd, &layout);
+    let rows = resistance.rows(&neighbourhood, &layout);
     assert!(world.max(rows.films.len() as f64) > 0.0, "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
-    assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|way| way.resistance > 0.0));
+    assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|mode| mode.resistance > 0.0));
 }
 
 fn time(end: f64) -> TimeSection {

@@ -12,7 +12,7 @@ use turbid::{
 
 use crate::{
     Test,
-    friction_in_flow::{crowd, forces, on_a_floor, rubbing_by, step},
+    friction_in_flow::{dense_suspension, forces, on_a_floor, rubbing_by, step},
 };
 
 /// The tests of this file.
@@ -82,7 +82,7 @@ fn a_heavy_disk_in_a_thin_fluid_is_slowed_by_what_exceeds_the_load(session: &Ses
 
 fn no_contact_of_a_crowd_exceeds_its_bound(session: &Session) {
     let law = FrictionLaw { critical_load: 30.0, ..FrictionLaw::plain(0.7) };
-    let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+    let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
     let (mut solves, mut of_each) = (0, [0; 2]);
     for number in 0..25 {
         let (observation, report) = step(&mut simulation);
@@ -100,7 +100,7 @@ fn no_contact_of_a_crowd_exceeds_its_bound(session: &Session) {
 
 fn small_loads_are_next_to_none_and_large_ones_next_to_no_friction(session: &Session) {
     let run = |law: FrictionLaw| {
-        let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+        let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
         (0..15).for_each(|_| _ = step(&mut simulation));
         simulation.state().centers()
     };

@@ -151,7 +151,7 @@ fn rolls_or_slips(on_a_floor: impl Fn(f64) -> [f64; 4]) {
 }
 
 /// Disks between walls in shear, at a fraction of 0.6, with films cut at the roughness.
-pub fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
+pub fn dense_suspension(count: usize, seed: u64, rate: f64) -> Setup<2> {
     let size = Vector2::new(8.0, count as f64 * std::f64::consts::PI / 0.6 / 8.0);
     let still = between_walls::<2>(size, rate, 0.25, Vec::new());
     let centers: Vec<Vector2<f64>> = pack(&still.domain, &[] as &[Ball<2>], &vec![1.0; count], 0.03, seed).unwrap();
@@ -161,7 +161,7 @@ pub fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
 
 /// Where a crowd is after some steps with friction, and what happens there.
 pub fn sheared(session: &Session, law: FrictionLaw, steps: usize) -> (Simulation<2>, Observation<2>) {
-    let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+    let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
     (0..steps).for_each(|_| _ = step(&mut simulation));
     let observation = evaluate(&mut simulation);
     (simulation, observation)
@@ -191,7 +191,7 @@ pub fn is_what_the_flow_feels(session: &Session, (simulation, observation): (Sim
             add(other, force, -contact.normal * whole(1.0));
         }
     }
-    let mut given = crowd(11, 5, 1.0);
+    let mut given = dense_suspension(11, 5, 1.0);
     for (suspended, (moving, twist)) in given.bodies.iter_mut().zip(simulation.state().bodies.iter().zip(&observation.twists)) {
         suspended.body.ball.center = moving.center;
         suspended.body.motion = Motion::Prescribed(*twist);
@@ -206,7 +206,7 @@ pub fn is_what_the_flow_feels(session: &Session, (simulation, observation): (Sim
 
 fn little_friction_is_next_to_none(session: &Session) {
     let run = |coefficient: f64| {
-        let mut simulation = rubbing(session, crowd(11, 5, 1.0), coefficient, 0.03);
+        let mut simulation = rubbing(session, dense_suspension(11, 5, 1.0), coefficient, 0.03);
         (0..8).for_each(|_| {
             let observation = evaluate(&mut simulation);
             simulation.step(&observation, &mut |_, _| {}).unwrap();
@@ -220,7 +220,7 @@ fn little_friction_is_next_to_none(session: &Session) {
 
 fn nothing_overlaps_and_contacts_take_energy(session: &Session) {
     for coefficient in [0.3, 1.0] {
-        let mut simulation = rubbing(session, crowd(11, 5, 1.0), coefficient, 0.03);
+        let mut simulation = rubbing(session, dense_suspension(11, 5, 1.0), coefficient, 0.03);
         let (mut solves, mut held) = (0, 0);
         for number in 0..25 {
             let (observation, report) = step(&mut simulation);
@@ -254,7 +254,7 @@ fn after_reversal_the_viscosity_is_that_without_contacts(session: &Session) {
     let (simulation, before) = sheared(session, FrictionLaw::plain(0.7), 22);
     assert!(forces(&before).len() >= 3);
     let there = |rate: f64| {
-        let mut setup = crowd(11, 5, rate);
+        let mut setup = dense_suspension(11, 5, rate);
         for (suspended, moving) in setup.bodies.iter_mut().zip(&simulation.state().bodies) {
             suspended.body.ball.center = moving.center;
         }
@@ -288,18 +288,18 @@ fn units_places_and_the_order_of_bodies_do_not_matter(session: &Session) {
         heights.sort_by(f64::total_cmp);
         (viscosity, heights)
     };
-    let (plain, heights) = last(crowd(11, 5, 1.0), 0.03, 1.0);
-    let mut scaled = crowd(11, 5, 1.0);
+    let (plain, heights) = last(dense_suspension(11, 5, 1.0), 0.03, 1.0);
+    let mut scaled = dense_suspension(11, 5, 1.0);
     scaled.domain.size *= 3.0;
     scaled.domain.axes[1] = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::x() * (scaled.domain.size[1] * 2.0) };
     (scaled.spacing, scaled.viscosity) = (scaled.spacing * 3.0, 0.2);
     for suspended in &mut scaled.bodies {
         (suspended.body.ball.center, suspended.body.ball.radius) = (suspended.body.ball.center * 3.0, 3.0);
     }
-    let mut moved = crowd(11, 5, 1.0);
+    let mut moved = dense_suspension(11, 5, 1.0);
     let cell = moved.domain.size[0] / (moved.domain.size[0] / moved.spacing).round();
     moved.bodies.iter_mut().for_each(|suspended| suspended.body.ball.center[0] += 7.0 * cell);
-    let mut ordered = crowd(11, 5, 1.0);
+    let mut ordered = dense_suspension(11, 5, 1.0);
     ordered.bodies.reverse();
     for (what, (setup, length_of_step, length)) in
         [("scaled", (scaled, 0.015, 3.0)), ("moved", (moved, 0.03, 1.0)), ("ordered", (ordered, 0.03, 1.0))]
@@ -313,7 +313,7 @@ fn units_places_and_the_order_of_bodies_do_not_matter(session: &Session) {
 
 fn a_restart_goes_on_from_the_forces_of_the_last_step(session: &Session) {
     let (mut simulation, _) = sheared(session, FrictionLaw::plain(0.7), 20);
-    let mut again = rubbing(session, crowd(11, 5, 1.0), 0.7, 0.03);
+    let mut again = rubbing(session, dense_suspension(11, 5, 1.0), 0.7, 0.03);
     assert!(simulation.state().held.iter().any(|held| held.tangential != SVector::<f64, 2>::zeros()));
     again.restore(simulation.state().clone(), History::default()).unwrap();
     (0..3).for_each(|_| _ = (step(&mut simulation), step(&mut again)));

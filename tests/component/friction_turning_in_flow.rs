@@ -12,7 +12,7 @@ use crate::{
     Test,
     friction_by_law_in_flow::speeds,
     friction_in_flow::{
-        crowd, evaluate, forces, is_what_the_flow_feels, pressed_on_a_floor, rubbing_by, sheared, spheres, step, stresses_add_up,
+        dense_suspension, evaluate, forces, is_what_the_flow_feels, pressed_on_a_floor, rubbing_by, sheared, spheres, step, stresses_add_up,
     },
 };
 
@@ -31,7 +31,7 @@ pub fn tests() -> Vec<Test> {
     ]
 }
 
-const CROWD: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0 };
+const ROLLING_AND_SLIDING: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0 };
 
 /// The couple of a contact over its normal force and the radius of a ball that touches at its roughness.
 fn ratio<const D: usize>(pressed: &ContactForce<D>) -> f64 {
@@ -111,7 +111,7 @@ fn a_disk_that_rolls_in_a_thin_fluid_comes_to_rest(session: &Session) {
 }
 
 fn couples_are_what_the_flow_feels_and_stresses_add_up(session: &Session) {
-    let there = sheared(session, CROWD, 22);
+    let there = sheared(session, ROLLING_AND_SLIDING, 22);
     let held = forces(&there.1);
     assert!(held.iter().filter(|(pressed, _)| ratio(pressed) > 1e-3).count() >= 3);
     stresses_add_up(&there);
@@ -125,8 +125,8 @@ fn bound(pressed: &ContactForce<2>, law: &FrictionLaw) -> f64 {
 }
 
 fn no_couple_of_a_crowd_exceeds_its_bound(session: &Session) {
-    for law in [CROWD, FrictionLaw { rolling: 0.5, critical_load: 20.0, ..CROWD }] {
-        let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+    for law in [ROLLING_AND_SLIDING, FrictionLaw { rolling: 0.5, critical_load: 20.0, ..ROLLING_AND_SLIDING }] {
+        let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
         let (mut solves, mut of_each) = (0, [0; 2]);
         for number in 0..25 {
             let (observation, report) = step(&mut simulation);
@@ -149,15 +149,18 @@ fn little_resistance_to_rolling_is_next_to_none(session: &Session) {
     let run = |law: FrictionLaw| sheared(session, law, 22).0.state().centers();
     let apart =
         |one: &[Vector2<f64>], other: &[Vector2<f64>]| one.iter().zip(other).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
-    let (plain, little, much) =
-        (run(FrictionLaw::plain(0.7)), run(FrictionLaw { rolling: 1e-4, ..CROWD }), run(FrictionLaw { rolling: 0.5, ..CROWD }));
+    let (plain, little, much) = (
+        run(FrictionLaw::plain(0.7)),
+        run(FrictionLaw { rolling: 1e-4, ..ROLLING_AND_SLIDING }),
+        run(FrictionLaw { rolling: 0.5, ..ROLLING_AND_SLIDING }),
+    );
     assert!(apart(&plain, &little) < 1e-3, "{}", apart(&plain, &little));
     assert!(apart(&plain, &much) > 1e-2, "{}", apart(&plain, &much));
 }
 
 fn a_restart_goes_on_from_the_couples_of_the_last_step(session: &Session) {
-    let (mut simulation, _) = sheared(session, CROWD, 20);
-    let mut again = rubbing_by(session, crowd(11, 5, 1.0), CROWD, 0.03);
+    let (mut simulation, _) = sheared(session, ROLLING_AND_SLIDING, 20);
+    let mut again = rubbing_by(session, dense_suspension(11, 5, 1.0), ROLLING_AND_SLIDING, 0.03);
     assert!(simulation.state().held.iter().any(|held| held.couple != SMatrix::<f64, 2, 2>::zeros()));
     again.restore(simulation.state().clone(), History::default()).unwrap();
     (0..3).for_each(|_| _ = (step(&mut simulation), step(&mut again)));

@@ -28,7 +28,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// A crowd between walls that move, or in a sheared box.
-fn crowd(domain: &str, spacing: f64, bodies: &str) -> String {
+fn scene_text(domain: &str, spacing: f64, bodies: &str) -> String {
     format!(
         "seed = 3\n{domain}\nresolution = {{ cells_per_radius = {spacing} }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-8 }}\n\
          lubrication = {{ model = \"pairwise\", roughness = 0.04 }}\ncontact = {{ model = \"inelastic\", friction = 0.5 }}\n\
@@ -108,9 +108,9 @@ fn rods_that_rub_are_rigid_and_in_balance(session: &Session) {
         )
     };
     let groups: Vec<_> = (0..18).step_by(3).map(|first| first..first + 3).chain((18..26).map(|ball| ball..ball + 1)).collect();
-    proves::<2>(session, &crowd(WALLS, 4.0, &rods(PULLED)), &groups, 5);
+    proves::<2>(session, &scene_text(WALLS, 4.0, &rods(PULLED)), &groups, 5);
     let sheared = "domain = { size = [7.0, 7.0] }\nflow = { model = \"stokes\", drive = { shear_rate = 1.0, periodic = \"sheared\" } }";
-    proves::<2>(session, &crowd(sheared, 4.0, &rods("")).replace("end = 0.6", "end = 1.0"), &groups, 1);
+    proves::<2>(session, &scene_text(sheared, 4.0, &rods("")).replace("end = 0.6", "end = 1.0"), &groups, 1);
 }
 
 fn chains_and_rings_that_rub_are_in_balance(session: &Session) {
@@ -120,11 +120,11 @@ fn chains_and_rings_that_rub_are_in_balance(session: &Session) {
              force = [0.0, -400.0] }}]"
         );
         let groups: Vec<_> = (0..24).step_by(4).map(|first| first..first + 4).collect();
-        proves::<2>(session, &crowd(WALLS, 4.0, &chains), &groups, 5);
+        proves::<2>(session, &scene_text(WALLS, 4.0, &chains), &groups, 5);
     }
     let ring = "chains = [{ beads = 8, radius = 0.5, spacing = 1.06, stretch = \"rigid\", bend = 5.0, shape = \"ring\", count = 1, \
                 force = [0.0, -200.0] }]";
-    proves::<2>(session, &crowd(WALLS, 4.0, ring).replace("1e-8", "1e-7"), std::slice::from_ref(&(0..8)), 1);
+    proves::<2>(session, &scene_text(WALLS, 4.0, ring).replace("1e-8", "1e-7"), std::slice::from_ref(&(0..8)), 1);
 }
 
 fn clusters_in_space_that_rub_are_in_balance(session: &Session) {
@@ -132,7 +132,7 @@ fn clusters_in_space_that_rub_are_in_balance(session: &Session) {
         "domain = { size = [4.0, 3.2, 3.2], y = { lower = [-1.6, 0.0, 0.0], upper = [1.6, 0.0, 0.0] } }\nflow = { model = \"stokes\" }";
     let bodies = "clusters = [{ shape = \"rod\", beads = 2, radius = 0.6, count = 4, gap = 0.06, force = [0.0, -400.0, 0.0] }]";
     let groups: Vec<_> = (0..8).step_by(2).map(|first| first..first + 2).collect();
-    proves::<3>(session, &crowd(domain, 3.0, bodies), &groups, 3);
+    proves::<3>(session, &scene_text(domain, 3.0, bodies), &groups, 3);
 }
 
 /// With the arm `a` of the contact, its radius and half of the roughness: `v = 2 a^2 / (1 + 2 a^2)` of the first velocity when it rolls.

@@ -118,19 +118,19 @@ fn just_after_a_reversal_contacts_bear_nothing(session: &Session) {
 }
 
 fn a_tiny_oscillation_measures_the_viscosity_of_an_instant(session: &Session) {
-    let crowd = |drive: &str, time: &str| {
+    let scene_text = |drive: &str, time: &str| {
         format!(
             "seed = 3\ndomain = {{ size = [6.0, 6.0], y = \"walls\" }}\nflow = {{ viscosity = 2.0, drive = {{ shear_rate = {drive} }} }}\n\
              resolution.cells_per_radius = 4\nmethod.tolerance = 1e-9\nbodies = [{{ radius = 1.0, count = 3 }}]\n{time}\n"
         )
     };
-    let setup = Setup::<2>::of(&parsed(&crowd("1.0", ""))).unwrap();
+    let setup = Setup::<2>::of(&parsed(&scene_text("1.0", ""))).unwrap();
     let mut suspension = Suspension::new(session, setup).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     let expected = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().relative();
     let (amplitude, frequency, mut stress) = (1e-7, 0.5, Vec::new());
     let drive = format!("{{ amplitude = {amplitude:?}, frequency = {frequency:?} }}");
-    run::<2>(session, &crowd(&drive, "time.end = 2.0"), |simulation, observation| {
+    run::<2>(session, &scene_text(&drive, "time.end = 2.0"), |simulation, observation| {
         let flow = simulation.suspension().unwrap();
         stress.push((simulation.state().time, viscosity(flow, observation).shear_stress));
     });

@@ -240,7 +240,7 @@ mod tests {
     /// Largest difference of two resistances, each number over the exact one of its kind, and of the larger body over its radius.
     fn difference(found: &Resistance, direct: &Resistance, exact: &Resistance, radius: f64) -> f64 {
         let across = exact.slip.max(exact.roll);
-        let kinds = [
+        let scales = [
             exact.approach,
             across,
             across,
@@ -253,7 +253,7 @@ mod tests {
             across * radius,
         ];
         let differences = found.with(direct, |one, other| (one - other).abs()).numbers();
-        differences.iter().zip(kinds).map(|(difference, kind)| difference / kind).fold(0.0, f64::max)
+        differences.iter().zip(scales).map(|(difference, scale)| difference / scale).fold(0.0, f64::max)
     }
 
     /// Ratios up to 4 and gaps from 1e-4 on, without a pattern.

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-use super::{link::Link, pairs::Newton, program::FrictionProgram, secant::dot};
+use super::{pairs::Newton, program::FrictionProgram, row_block::RowBlock, secant::dot};
 use crate::contact::solver::block_lu::BlockLu;
 
 /// The border, once the rest is factored.
@@ -14,7 +14,7 @@ pub struct Border<const W: usize> {
 }
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
-    /// What impulses change by where velocities grow so: of a link that turns a contact without the normal one.
+    /// What impulses change by where velocities grow so: of a row block that turns a contact without the normal one.
     fn answers(&self, newton: &[Newton<D>], rates: &[[f64; D]]) -> Vec<[f64; D]> {
         let answer = |(place, (newton, rates)): (usize, (&Newton<D>, &[f64; D]))| {
             let first = usize::from(self.follows(place));
@@ -25,7 +25,7 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     }
 
     fn rates(&self, motion: &[[f64; W]]) -> Vec<[f64; D]> {
-        self.links.iter().map(|link: &Link<D, W>| link.rates(motion)).collect()
+        self.row_blocks.iter().map(|row_block: &RowBlock<D, W>| row_block.rates(motion)).collect()
     }
 
     /// How forces move contacts without what corrects the mobility.

@@ -40,13 +40,13 @@ pub struct Found<const D: usize> {
 
 /// The impulses, or the best that were found, from a guess.
 pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: Vec<[f64; D]>) -> Found<D> {
-    if program.links.iter().all(|link| link.offset[0] >= 0.0) {
+    if program.row_blocks.iter().all(|row_block| row_block.offset[0] >= 0.0) {
         return Found { forces: vec![[0.0; D]; guess.len()], residual: 0.0, sweeps: 0, iterations: 0 };
     }
     let most = (MOST_CONTACTS / guess.len()).min(MOST_SWEEPS[1]);
     let mut sweeps = Sweeps::new(program, guess);
     if sweeps.residual.is_nan() || sweeps.residual > USELESS {
-        sweeps = Sweeps::new(program, vec![[0.0; D]; program.links.len()]);
+        sweeps = Sweeps::new(program, vec![[0.0; D]; program.row_blocks.len()]);
     }
     let (mut first, mut iterations) = (FIRST, 0);
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };

@@ -48,54 +48,54 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
         let slipping = std::iter::once((place, *held)).chain(turns.iter().copied());
         let slipping: Vec<(usize, HeldContact<D>)> =
             slipping.filter(|(_, held)| held.state == ContactState::Slipping && held.rubs()).collect();
-        let friction = slipping
-            .iter()
-            .fold(ContactWrench::zero(), |sum, (link, held)| sum + self.wrench(*link, &held.direction) * self.coefficient(*link));
+        let friction = slipping.iter().fold(ContactWrench::zero(), |sum, (row_block, held)| {
+            sum + self.wrench(*row_block, &held.direction) * self.coefficient(*row_block)
+        });
         let normal = self.wrench(place, &self.frames[place].axes[0]);
         let mut rows = vec![self.row((place, 0), (&normal, &(normal + friction)), held.force.dot(&self.frames[place].axes[0]))];
         let critical_load = self.laws[place].critical_load;
         if critical_load > 0.0 && !slipping.is_empty() {
             rows.push(self.known(place, &(friction * -1.0), critical_load));
         }
-        for (link, held) in std::iter::once((place, held)).chain(turns.iter().map(|(link, held)| (*link, held))) {
-            rows.extend(self.tangential_rows(link, held));
+        for (row_block, held) in std::iter::once((place, held)).chain(turns.iter().map(|(row_block, held)| (*row_block, held))) {
+            rows.extend(self.tangential_rows(row_block, held));
         }
         rows
     }
 
-    /// The rows of a link besides that of its normal force.
-    fn tangential_rows(&self, link: usize, held: &HeldContact<D>) -> Vec<HeldRow<D>> {
-        let place = self.contact_of(link);
-        let axes = self.frames[place].link_axes(self.turn(link));
+    /// The rows of a row block besides that of its normal force.
+    fn tangential_rows(&self, row_block: usize, held: &HeldContact<D>) -> Vec<HeldRow<D>> {
+        let place = self.contact_of(row_block);
+        let axes = self.frames[place].row_axes(self.turn(row_block));
         match held.state {
             ContactState::Sticking => {
                 let sides = (1..D).filter(|&axis| axes[axis] != SVector::<f64, D>::zeros());
                 sides
                     .map(|axis| {
-                        let side = self.wrench(link, &axes[axis]);
-                        self.row((link, axis), (&side, &side), held.force.dot(&axes[axis]))
+                        let side = self.wrench(row_block, &axes[axis]);
+                        self.row((row_block, axis), (&side, &side), held.force.dot(&axes[axis]))
                     })
                     .collect()
             }
             ContactState::Slipping if !held.along_line && held.rubs() => {
-                let across = self.wrench(link, &cross(&self.frames[place].axes[0], &held.direction));
-                let mut row = self.row((link, 1), (&across, &across), 0.0);
-                row.row.compliance = held.ease.max(self.program.links[link].norms[1].powi(2) / STIFFEST);
+                let across = self.wrench(row_block, &cross(&self.frames[place].axes[0], &held.direction));
+                let mut row = self.row((row_block, 1), (&across, &across), 0.0);
+                row.row.compliance = held.ease.max(self.program.row_blocks[row_block].norms[1].powi(2) / STIFFEST);
                 vec![row]
             }
             ContactState::Slipping | ContactState::Open => Vec::new(),
         }
     }
 
-    /// What a unit along a direction of a link does to the partner.
-    fn wrench(&self, link: usize, direction: &SVector<f64, D>) -> ContactWrench<D> {
-        self.frames[self.contact_of(link)].link_wrench(self.turn(link), direction)
+    /// What a unit along a direction of a row block does to the partner.
+    fn wrench(&self, row_block: usize, direction: &SVector<f64, D>) -> ContactWrench<D> {
+        self.frames[self.contact_of(row_block)].row_wrench(self.turn(row_block), direction)
     }
 
     /// The row of the velocity along what a wrench does work on, and of a wrench on the partner, which is this much in the last round.
-    fn row(&self, (link, axis): (usize, usize), (along, push): (&ContactWrench<D>, &ContactWrench<D>), guess: f64) -> HeldRow<D> {
-        let place = self.contact_of(link);
-        let (contact, norm) = (&self.contacts[place], self.program.links[link].norms[axis]);
+    fn row(&self, (row_block, axis): (usize, usize), (along, push): (&ContactWrench<D>, &ContactWrench<D>), guess: f64) -> HeldRow<D> {
+        let place = self.contact_of(row_block);
+        let (contact, norm) = (&self.contacts[place], self.program.row_blocks[row_block].norms[axis]);
         let compliance = SOFT * norm * norm;
         let closing = along.force.dot(&contact.normal) * contact.gap / self.immersed.step;
         let rate = compliance * guess - closing - along.force.dot(&carried(self.immersed.domain, contact));
@@ -106,7 +106,7 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
     /// The row of a wrench on the partner that is known, so many units: no motion counts for it.
     fn known(&self, place: usize, unit: &ContactWrench<D>, force: f64) -> HeldRow<D> {
         let mut held = self.row((place, 1), (unit, unit), force);
-        held.row.compliance = self.program.links[place].norms[1].powi(2);
+        held.row.compliance = self.program.row_blocks[place].norms[1].powi(2);
         held.row.ends.iter_mut().for_each(|(_, side)| *side = RigidFunctional { direction: SVector::zeros(), turn: SMatrix::zeros() });
         held.row.rate = held.row.compliance * force;
         held
@@ -123,10 +123,10 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
         bodies.into_iter().filter_map(functional).collect()
     }
 
-    /// The coefficient that bounds a link.
-    fn coefficient(&self, link: usize) -> f64 {
-        let law = &self.laws[self.contact_of(link)];
-        self.turn(link).map_or(law.coefficient, |turn| law.of_turn(turn))
+    /// The coefficient that bounds a row block.
+    fn coefficient(&self, row_block: usize) -> f64 {
+        let law = &self.laws[self.contact_of(row_block)];
+        self.turn(row_block).map_or(law.coefficient, |turn| law.of_turn(turn))
     }
 }
 
@@ -178,11 +178,11 @@ mod tests {
         }
         let whole = rows.iter().zip(forces).map(|(held, force)| held.unit.force * force).sum::<Vector3<f64>>();
         let scaled = contacts.scaled_forces(&[ContactWrench::of_force(whole)])[0];
-        let rates = contacts.program.links[0].rates(&contacts.program.motion(&[scaled]));
-        contacts.program.links[0].offset = [0.0; 3];
+        let rates = contacts.program.row_blocks[0].rates(&contacts.program.motion(&[scaled]));
+        contacts.program.row_blocks[0].offset = [0.0; 3];
         let velocity = contacts.frames[0].components(&contacts.frames[0].slip((&domain, &contact), &moved));
         for axis in 0..3 {
-            assert!((velocity[axis] / contacts.program.links[0].norms[axis] - rates[axis]).abs() < 1e-14);
+            assert!((velocity[axis] / contacts.program.row_blocks[0].norms[axis] - rates[axis]).abs() < 1e-14);
         }
     }
 }

@@ -87,19 +87,19 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     /// contacts would have without forces.
     pub fn take(&mut self, wrenches: &[ContactWrench<D>], twists: &[Twist<D>]) -> f64 {
         let scaled = self.scaled_forces(wrenches);
-        let velocities: Vec<[f64; D]> = (0..scaled.len()).map(|link| self.scaled_velocity(link, twists)).collect();
+        let velocities: Vec<[f64; D]> = (0..scaled.len()).map(|row_block| self.scaled_velocity(row_block, twists)).collect();
         let solved = (scaled, velocities);
         let last = std::mem::take(&mut self.found);
         if !last.0.is_empty() && !std::mem::take(&mut self.of_other_step) {
             self.solved.push(last);
         }
         self.program.modes = corrections(&solved, &self.solved, |forces| self.program.rates_alone(forces));
-        self.program.links.iter_mut().for_each(|link| link.offset = [0.0; D]);
+        self.program.row_blocks.iter_mut().for_each(|row_block| row_block.offset = [0.0; D]);
         let rates = self.program.velocities_by(&solved.0);
-        for (link, (velocity, rates)) in self.program.links.iter_mut().zip(solved.1.iter().zip(&rates)) {
-            link.offset = std::array::from_fn(|axis| velocity[axis] - rates[axis]);
+        for (row_block, (velocity, rates)) in self.program.row_blocks.iter_mut().zip(solved.1.iter().zip(&rates)) {
+            row_block.offset = std::array::from_fn(|axis| velocity[axis] - rates[axis]);
         }
-        let offsets = self.program.links.iter().flat_map(|link| link.offset);
+        let offsets = self.program.row_blocks.iter().flat_map(|row_block| row_block.offset);
         self.program.unit = offsets.fold(f64::MIN_POSITIVE, |unit, offset| unit.max(offset.abs()));
         self.found = solved;
         self.residual()
@@ -122,7 +122,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     /// How contacts are held where the network obeys the law; nothing if that is not found.
     pub fn by_network(&mut self) -> Option<Vec<HeldContact<D>>> {
-        let mut best = follow(&self.program, &vec![[0.0; D]; self.program.links.len()], (1.0, AIM));
+        let mut best = follow(&self.program, &vec![[0.0; D]; self.program.row_blocks.len()], (1.0, AIM));
         for start in NEAR {
             if best.residual > SOLVED {
                 let again = follow(&self.program, &self.program.within(&self.found.0), (start, AIM));
@@ -154,52 +154,52 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     }
 
     fn all_held(&self, forces: &[[f64; D]], velocities: &[[f64; D]]) -> Vec<HeldContact<D>> {
-        (0..forces.len()).map(|link| self.held(link, forces, velocities)).collect()
+        (0..forces.len()).map(|row_block| self.held(row_block, forces, velocities)).collect()
     }
 
-    fn held(&self, link: usize, forces: &[[f64; D]], velocities: &[[f64; D]]) -> HeldContact<D> {
-        let (place, turn, norms) = (self.contact_of(link), self.turn(link), self.program.links[link].norms);
-        let state = match self.program.state(link, forces, velocities) {
+    fn held(&self, row_block: usize, forces: &[[f64; D]], velocities: &[[f64; D]]) -> HeldContact<D> {
+        let (place, turn, norms) = (self.contact_of(row_block), self.turn(row_block), self.program.row_blocks[row_block].norms);
+        let state = match self.program.state(row_block, forces, velocities) {
             // nothing holds it
             ContactState::Sticking if self.laws[place].coefficient == 0.0 => ContactState::Slipping,
             state => state,
         };
-        let (axes, limit) = (self.frames[place].link_axes(turn), self.program.limit(link));
+        let (axes, limit) = (self.frames[place].row_axes(turn), self.program.limit(row_block));
         let in_space = |parts: &[f64; D]| -> SVector<f64, D> { (0..D).map(|axis| axes[axis] * parts[axis]).sum() };
-        let mut aim: [f64; D] = std::array::from_fn(|axis| forces[link][axis] - velocities[link][axis]);
+        let mut aim: [f64; D] = std::array::from_fn(|axis| forces[row_block][axis] - velocities[row_block][axis]);
         let (size, rubs) = (tangential_size(&aim), forces[place][0] - velocities[place][0] > limit.load);
         aim[0] = 0.0;
         let direction = if size > 0.0 && rubs { in_space(&aim) / size } else { SVector::zeros() };
-        let force = in_space(&std::array::from_fn(|axis| forces[link][axis] / norms[axis]));
-        let ease = tangential_size(&velocities[link]) * norms[1] * norms[1] / limit.at(forces[place][0]);
+        let force = in_space(&std::array::from_fn(|axis| forces[row_block][axis] / norms[axis]));
+        let ease = tangential_size(&velocities[row_block]) * norms[1] * norms[1] / limit.at(forces[place][0]);
         let ease = if ease.is_finite() { ease } else { 0.0 };
         HeldContact { state, force, direction, ease, along_line: D == 2 || turn == Some(Turn::Twisting) }
     }
 
-    /// The contact of a link.
-    pub(super) fn contact_of(&self, link: usize) -> usize {
-        self.program.leader(link)
+    /// The contact of a row block.
+    pub(super) fn contact_of(&self, row_block: usize) -> usize {
+        self.program.leader(row_block)
     }
 
-    /// How a link turns its contact, if it does.
-    pub(super) fn turn(&self, link: usize) -> Option<Turn> {
-        Some(self.turns[link.checked_sub(self.contacts.len())?].1)
+    /// How a row block turns its contact, if it does.
+    pub(super) fn turn(&self, row_block: usize) -> Option<Turn> {
+        Some(self.turns[row_block.checked_sub(self.contacts.len())?].1)
     }
 
     pub(super) fn scaled_forces(&self, wrenches: &[ContactWrench<D>]) -> Vec<[f64; D]> {
-        let scaled = |link: usize| {
-            let (place, turn, norms) = (self.contact_of(link), self.turn(link), self.program.links[link].norms);
-            let components = self.frames[place].link_components(turn, &wrenches[place]);
+        let scaled = |row_block: usize| {
+            let (place, turn, norms) = (self.contact_of(row_block), self.turn(row_block), self.program.row_blocks[row_block].norms);
+            let components = self.frames[place].row_components(turn, &wrenches[place]);
             std::array::from_fn(|axis| components[axis] * norms[axis])
         };
-        (0..self.program.links.len()).map(scaled).collect()
+        (0..self.program.row_blocks.len()).map(scaled).collect()
     }
 
-    fn scaled_velocity(&self, link: usize, twists: &[Twist<D>]) -> [f64; D] {
-        let place = self.contact_of(link);
-        let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.links[link].norms);
+    fn scaled_velocity(&self, row_block: usize, twists: &[Twist<D>]) -> [f64; D] {
+        let place = self.contact_of(row_block);
+        let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.row_blocks[row_block].norms);
         let mut velocity = frame.velocity((self.immersed.domain, contact), twists, self.immersed.step);
-        if let Some(turn) = self.turn(link) {
+        if let Some(turn) = self.turn(row_block) {
             velocity[1..].copy_from_slice(&frame.turning_rates(contact, turn, twists)[1..]);
         }
         // a smooth contact slides as it likes
@@ -211,11 +211,12 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     pub fn report(&self) -> FrictionReport {
         let states: Vec<ContactState> = self.by_contact()[..self.contacts.len()].iter().map(|held| held.state).collect();
         let count = |which: ContactState| states.iter().filter(|&&state| state == which).count();
-        let power = |link: usize| {
-            let (force, velocity, contact) = (&self.found.0[link], &self.found.1[link], &self.contacts[self.contact_of(link)]);
+        let power = |row_block: usize| {
+            let (force, velocity, contact) =
+                (&self.found.0[row_block], &self.found.1[row_block], &self.contacts[self.contact_of(row_block)]);
             // forces and velocities are scaled by factors whose product is one
             let whole: f64 = force.iter().zip(velocity).map(|(force, velocity)| force * velocity).sum();
-            whole - force[0] * contact.gap / self.immersed.step / self.program.links[link].norms[0]
+            whole - force[0] * contact.gap / self.immersed.step / self.program.row_blocks[row_block].norms[0]
         };
         let powers = (0..self.found.0.len()).map(power);
         FrictionReport {

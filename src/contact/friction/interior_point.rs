@@ -9,9 +9,9 @@ use super::{
     bordered::Border,
     bounds::Limit,
     cone::TOLERANCE,
-    link::{Link, NONE},
     pairs::{Newton, Pairs},
     program::FrictionProgram,
+    row_block::{NONE, RowBlock},
     secant::dot,
 };
 use crate::contact::solver::block_lu::{BlockLu, Blocks};
@@ -102,11 +102,11 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
 
     /// `u` in these units.
     fn velocities(&self) -> Vec<[f64; D]> {
-        let velocity = |link: &Link<D, W>| {
-            let rates = link.rates(&self.motion);
-            std::array::from_fn(|axis| rates[axis] + link.offset[axis] / self.program.unit)
+        let velocity = |row_block: &RowBlock<D, W>| {
+            let rates = row_block.rates(&self.motion);
+            std::array::from_fn(|axis| rates[axis] + row_block.offset[axis] / self.program.unit)
         };
-        let alone = self.program.links.iter().map(velocity).collect();
+        let alone = self.program.row_blocks.iter().map(velocity).collect();
         self.program.with_modes(alone, &self.amplitudes)
     }
 
@@ -114,13 +114,13 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         self.pairs.iter().enumerate().map(|(place, pairs)| self.alone(place, pairs.impulse())).collect()
     }
 
-    /// What bounds the tangential impulse of a link in these units.
+    /// What bounds the tangential impulse of a row block in these units.
     fn limit(&self, place: usize) -> Limit {
         let Limit { friction, load } = self.program.limit(place);
         Limit { friction, load: load / self.program.unit }
     }
 
-    /// The impulse that a link has itself: of one that turns a contact the pair has the normal impulse of that.
+    /// The impulse that a row block has itself: of one that turns a contact the pair has the normal impulse of that.
     fn alone(&self, place: usize, mut impulse: [f64; D]) -> [f64; D] {
         if self.program.follows(place) {
             impulse[0] = 0.0;
@@ -168,12 +168,12 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
 
     /// The blocks `A^T C A` of a contact.
     fn blocks(&self, contact: usize, newton: &Newton<D>) -> Blocks {
-        let link = &self.program.links[contact];
-        let count = if link.ends[1] == NONE { 1 } else { 2 };
+        let row_block = &self.program.row_blocks[contact];
+        let count = if row_block.ends[1] == NONE { 1 } else { 2 };
         let first = usize::from(self.program.follows(contact));
         let mut blocks = vec![0.0; count * count * W * W];
         for (number, block) in blocks.chunks_exact_mut(W * W).enumerate() {
-            let (row, column) = (&link.rows[number / count], &link.rows[number % count]);
+            let (row, column) = (&row_block.rows[number / count], &row_block.rows[number % count]);
             for (from, along) in row.iter().enumerate().skip(first) {
                 for (to, across) in column.iter().enumerate() {
                     let factor = newton.matrix[from][to];
@@ -211,7 +211,7 @@ impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
         let modes = self.program.modes.iter().zip(&self.amplitudes);
         let wanted: Vec<f64> = modes.map(|(mode, now)| dot(&mode.rates, &forces) - now / mode.gain).collect();
         let amplitudes = border.map_or_else(Vec::new, |border| border.amplitudes((self.program, newton), &wanted, &mut motion));
-        let rates = self.program.links.iter().map(|link| link.rates(&motion)).collect();
+        let rates = self.program.row_blocks.iter().map(|row_block| row_block.rates(&motion)).collect();
         let contacts = newton.iter().zip(self.program.with_modes(rates, &amplitudes)).zip(first.iter().zip(products));
         let pairs = contacts.map(|((newton, rates), (first, products))| newton.change(first, &rates, products)).collect();
         Direction { motion, amplitudes, pairs }

@@ -2,8 +2,8 @@
 
 use super::{
     SurfaceFriction,
-    link::NONE,
     medium::{Medium, Resisting},
+    row_block::NONE,
 };
 use crate::{
     body::{RigidFunctional, Row, components},

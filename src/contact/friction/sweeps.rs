@@ -7,8 +7,8 @@ use rand_chacha::ChaCha8Rng;
 use super::{
     bounds::shortened,
     cone::tangential_size,
-    link::{Link, NONE},
     program::FrictionProgram,
+    row_block::{NONE, RowBlock},
 };
 
 /// Sweeps after which the residual is looked at, and later the part of all sweeps so far.
@@ -70,8 +70,8 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
             return self.sweep_bounded();
         }
         for &place in &self.order {
-            let link = &self.program.links[place as usize];
-            alone(link, &mut self.forces[place as usize], &mut self.motion, |without| solution(without, link.friction));
+            let row_block = &self.program.row_blocks[place as usize];
+            alone(row_block, &mut self.forces[place as usize], &mut self.motion, |without| solution(without, row_block.friction));
         }
     }
 
@@ -81,7 +81,7 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
             let place = place as usize;
             let (limit, leader) = (self.program.limit(place), self.program.leader(place));
             let of_leader = self.forces[leader][0];
-            alone(&self.program.links[place], &mut self.forces[place], &mut self.motion, |without| {
+            alone(&self.program.row_blocks[place], &mut self.forces[place], &mut self.motion, |without| {
                 let normal = if leader == place { (-without[0]).max(0.0) } else { of_leader };
                 let mut next = shortened(&without.map(|velocity| -velocity), limit.at(normal));
                 next[0] = if leader == place { normal } else { 0.0 };
@@ -94,22 +94,22 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
 /// Gives a contact the impulse that solves its problem while all others stay. Without branches: what a contact does is as good as random.
 #[inline]
 fn alone<const D: usize, const W: usize>(
-    link: &Link<D, W>,
+    row_block: &RowBlock<D, W>,
     force: &mut [f64; D],
     motion: &mut [[f64; W]],
     solution: impl Fn(&[f64; D]) -> [f64; D],
 ) {
     let nobody = motion.len() - 1;
-    let ends = [link.ends[0], if link.ends[1] == NONE { nobody } else { link.ends[1] }];
+    let ends = [row_block.ends[0], if row_block.ends[1] == NONE { nobody } else { row_block.ends[1] }];
     let (one, two) = (motion[ends[0]], motion[ends[1]]);
-    let mut without = link.offset;
+    let mut without = row_block.offset;
     for (axis, without) in without.iter_mut().enumerate() {
         *without -= force[axis];
-        let entries = link.rows[0][axis].iter().zip(&link.rows[1][axis]).zip(one.iter().zip(&two));
+        let entries = row_block.rows[0][axis].iter().zip(&row_block.rows[1][axis]).zip(one.iter().zip(&two));
         entries.for_each(|((row, other), (one, two))| *without += row * one + other * two);
     }
     let next = solution(&without);
-    for (end, rows) in ends.into_iter().zip(&link.rows) {
+    for (end, rows) in ends.into_iter().zip(&row_block.rows) {
         for (axis, row) in rows.iter().enumerate() {
             let change = next[axis] - force[axis];
             motion[end].iter_mut().zip(row).for_each(|(moved, entry)| *moved += entry * change);

@@ -12,9 +12,9 @@ use super::{
     cone::{TOLERANCE, larger},
     exact::solve_exactly,
     interior_point::follow,
-    link::{Link, NONE},
     medium::{Entries, Medium, Resisting},
     program::{FrictionIsland, FrictionProgram},
+    row_block::{NONE, RowBlock},
 };
 use crate::{
     body::{RigidFunctional, Row, components},
@@ -97,15 +97,15 @@ impl<const D: usize> TiedFriction<'_, D> {
         let unknowns = self.unknowns::<W>(island);
         let mut program = island.program_of::<W>(&unknowns.balls);
         program.bodies = unknowns.count;
-        program.links.iter_mut().for_each(|link| unknowns.refer(link));
+        program.row_blocks.iter_mut().for_each(|row_block| unknowns.refer(row_block));
         if let Some(medium) = self.bonds(&unknowns) {
             let free = self.free(&unknowns);
             let held = medium.motion(self.pulled(&unknowns, &free));
             let change: Vec<[f64; W]> =
                 held.iter().zip(&free).map(|(held, free)| std::array::from_fn(|entry| held[entry] - free[entry])).collect();
-            for link in &mut program.links {
-                let rates = link.rates(&change);
-                link.offset.iter_mut().zip(rates).for_each(|(offset, rate)| *offset += rate);
+            for row_block in &mut program.row_blocks {
+                let rates = row_block.rates(&change);
+                row_block.offset.iter_mut().zip(rates).for_each(|(offset, rate)| *offset += rate);
             }
             program.medium = Rc::new(medium);
         }
@@ -223,9 +223,9 @@ impl<const D: usize> TiedFriction<'_, D> {
 }
 
 impl<const W: usize> Unknowns<W> {
-    /// Makes the sides of a link count the unknowns; two of one body are one side.
-    fn refer<const D: usize>(&self, link: &mut Link<D, W>) {
-        for (end, rows) in link.ends.iter_mut().zip(&mut link.rows).filter(|(end, _)| **end != NONE) {
+    /// Makes the sides of a row block count the unknowns; two of one body are one side.
+    fn refer<const D: usize>(&self, row_block: &mut RowBlock<D, W>) {
+        for (end, rows) in row_block.ends.iter_mut().zip(&mut row_block.rows).filter(|(end, _)| **end != NONE) {
             if let Some(moved) = &self.moved[*end] {
                 for row in rows.iter_mut() {
                     let whole = *row;
@@ -234,10 +234,10 @@ impl<const W: usize> Unknowns<W> {
             }
             *end = self.bodies[*end];
         }
-        if link.ends[0] == link.ends[1] {
-            let second = link.rows[1];
-            link.rows[0].iter_mut().flatten().zip(second.iter().flatten()).for_each(|(entry, other)| *entry += other);
-            (link.ends[1], link.rows[1]) = (NONE, [[0.0; W]; D]);
+        if row_block.ends[0] == row_block.ends[1] {
+            let second = row_block.rows[1];
+            row_block.rows[0].iter_mut().flatten().zip(second.iter().flatten()).for_each(|(entry, other)| *entry += other);
+            (row_block.ends[1], row_block.rows[1]) = (NONE, [[0.0; W]; D]);
         }
     }
 }
@@ -245,17 +245,23 @@ impl<const W: usize> Unknowns<W> {
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     /// The same in rows whose norm is 1, of tangential ones in their mean, and in units of its velocities.
     fn rescaled(mut self) -> Self {
-        let norm = |link: &Link<D, W>, axis: usize| link.rows.iter().flat_map(|rows| rows[axis]).map(|entry| entry * entry).sum::<f64>();
-        let factors: Vec<[f64; D]> = (self.links.iter())
-            .map(|link| {
-                let tangential = ((1..D).map(|axis| norm(link, axis)).sum::<f64>() / (D - 1) as f64).sqrt();
+        let norm = |row_block: &RowBlock<D, W>, axis: usize| {
+            row_block.rows.iter().flat_map(|rows| rows[axis]).map(|entry| entry * entry).sum::<f64>()
+        };
+        let factors: Vec<[f64; D]> = (self.row_blocks.iter())
+            .map(|row_block| {
+                let tangential = ((1..D).map(|axis| norm(row_block, axis)).sum::<f64>() / (D - 1) as f64).sqrt();
                 let tangential = if tangential > 0.0 { tangential } else { 1.0 };
-                std::array::from_fn(|axis| if axis == 0 { norm(link, 0).sqrt() } else { tangential })
+                std::array::from_fn(|axis| if axis == 0 { norm(row_block, 0).sqrt() } else { tangential })
             })
             .collect();
         self.bounds.iter_mut().for_each(|bound| bound.load *= factors[bound.leader][0]);
-        self.links.iter_mut().zip(&factors).for_each(|(link, factors)| link.scale(factors));
-        self.unit = self.links.iter().flat_map(|link| link.offset).fold(f64::MIN_POSITIVE, |unit, offset| larger(unit, offset.abs()));
+        self.row_blocks.iter_mut().zip(&factors).for_each(|(row_block, factors)| row_block.scale(factors));
+        self.unit = self
+            .row_blocks
+            .iter()
+            .flat_map(|row_block| row_block.offset)
+            .fold(f64::MIN_POSITIVE, |unit, offset| larger(unit, offset.abs()));
         self
     }
 }

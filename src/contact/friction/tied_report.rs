@@ -1,6 +1,6 @@
 //! How well the law is kept where bodies are tied.
 
-use super::{ContactWrench, cone::ContactState, link::Link, program::FrictionIsland, tied::TiedFriction};
+use super::{ContactWrench, cone::ContactState, program::FrictionIsland, row_block::RowBlock, tied::TiedFriction};
 use crate::{
     body::{Twist, components},
     contact::FrictionReport,
@@ -18,20 +18,20 @@ impl<const D: usize> TiedFriction<'_, D> {
         let free: Vec<usize> = (0..self.island.balls.len()).filter(is_free).collect();
         let (wanted, after) = (self.island.program_of::<W>(&free), island.program_of::<W>(&free));
         let impulses = island.impulses(&after, wrenches);
-        let velocities: Vec<[f64; D]> = after.links.iter().map(|link| link.offset).collect();
+        let velocities: Vec<[f64; D]> = after.row_blocks.iter().map(|row_block| row_block.offset).collect();
         let largest = (0..impulses.len()).map(|place| after.miss(place, &impulses, &velocities[place])).fold(0.0, f64::max);
         let states: Vec<ContactState> = (0..wrenches.len()).map(|place| after.state(place, &impulses, &velocities)).collect();
         let count = |which: ContactState| states.iter().filter(|&&state| state == which).count();
         // impulses change the kinetic energy by their product with the mean of motions before and after
         let mean: Vec<[f64; W]> = free.iter().map(|&ball| self.mean_motion(ball, &ends[ball])).collect();
-        let work = |(link, impulse): (&Link<D, W>, &[f64; D])| -> f64 {
-            link.rates(&mean).iter().zip(impulse).map(|(rate, impulse)| rate * impulse).sum()
+        let work = |(row_block, impulse): (&RowBlock<D, W>, &[f64; D])| -> f64 {
+            row_block.rates(&mean).iter().zip(impulse).map(|(rate, impulse)| rate * impulse).sum()
         };
         FrictionReport {
             residual: if wanted.unit > 0.0 { largest / wanted.unit } else { 0.0 },
             sticking: count(ContactState::Sticking),
             slipping: count(ContactState::Slipping),
-            work: after.links.iter().zip(&impulses).map(work).sum(),
+            work: after.row_blocks.iter().zip(&impulses).map(work).sum(),
             ..FrictionReport::default()
         }
     }

@@ -197,8 +197,8 @@ impl<const D: usize> Granular<D> {
         let forces = self.interactions.forces(&arrangement);
         let (pushes, contacts) = (forces.on_bodies(near.halo.len(), &[]), forces.contacts);
         let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
-        let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
-        let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
+        let reported: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
+        let kkt_report = Some(KktReport::of_forces(&reported, arrangement.balls).over(self.peers()));
         Known { contacts: near.own_contacts(contacts), kkt_report, accelerations, twists: Vec::new() }
     }
 

@@ -207,7 +207,7 @@ impl<const D: usize> Bodies<D> {
 fn contacts<const D: usize>(motion: &MotionView<D>, domain: &Domain<D>) -> Vec<ProfileContact<D>> {
     let held = motion.held();
     let own: Vec<(Identity<D>, f64)> =
-        held.iter().filter(|held| motion.state().tells(held.body)).map(|held| (held.identity(), held.force)).collect();
+        held.iter().filter(|held| motion.state().reports(held.body)).map(|held| (held.identity(), held.force)).collect();
     let (halo, balls) = motion.simulation.seen(own.iter().flat_map(|(identity, _)| bodies_of(*identity)));
     let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
     let contact = |(identity, force): (Identity<D>, f64)| {

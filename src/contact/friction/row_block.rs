@@ -5,7 +5,7 @@ pub const NONE: usize = usize::MAX;
 
 /// A contact, or what turns one against its friction: two bodies at most, of `W` unknowns each, and `D` rows.
 #[derive(Debug, Clone)]
-pub struct Link<const D: usize, const W: usize> {
+pub struct RowBlock<const D: usize, const W: usize> {
     /// Places of its bodies among those that give way; the first is there.
     pub ends: [usize; 2],
     /// Rows of `A` for each of them.
@@ -18,12 +18,12 @@ pub struct Link<const D: usize, const W: usize> {
     pub norms: [f64; D],
 }
 
-impl<const D: usize, const W: usize> Link<D, W> {
+impl<const D: usize, const W: usize> RowBlock<D, W> {
     /// The same without tangential rows: no force moves anything along them, and the coefficient does not matter.
     pub fn without_friction(mut self) -> Self {
         self.rows.iter_mut().for_each(|rows| rows[1..].fill([0.0; W]));
         self.offset[1..].fill(0.0);
-        Link { friction: 1.0, ..self }
+        RowBlock { friction: 1.0, ..self }
     }
 
     /// Divides rows by factors, the same for all tangents.
