@@ -43,7 +43,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (state, touch, tightest) = (placed.state, interactions.touch(), self.suspension.setup().tolerance.at_an_instant());
         let mut tolerance = self.tolerance_of(instant);
         let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
-        let mut pressed = self.expected(placed, touch)?;
+        let mut active_contacts = self.expected(placed, touch)?;
         let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
         let mut rounds = ActiveSetIteration::new();
         for round in 0..MOST_ROUNDS {
@@ -51,12 +51,13 @@ impl<const D: usize> QuasiStatic<D> {
                 self.stop.heed(self.session.world(), state.time)?;
             }
             let tied = kept_apart(springs, &self.weights, step);
-            pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
-            let loose = self.contact_step(placed, step).loose(&pressed);
+            active_contacts.retain(|active| active.contact.other().is_none_or(|other| !tied.contains(&pair(active.contact.body, other))));
+            let loose = self.contact_step(placed, step).loose(&active_contacts);
             let pushes = forces.on_bodies(instant.centers.len(), &loose);
-            let (rows, guess): (Vec<Row<D>>, Vec<f64>) = pressed.iter().map(|pressed| (pressed.contact.row(step), pressed.force)).unzip();
-            let held = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance };
-            let (mut solution, mut twists) = self.flow_with(instant, &held, effort, monitor)?;
+            let (rows, guess): (Vec<Row<D>>, Vec<f64>) =
+                active_contacts.iter().map(|active| (active.contact.row(step), active.force)).unzip();
+            let flow_rows = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance };
+            let (mut solution, mut twists) = self.flow_with(instant, &flow_rows, effort, monitor)?;
             let begins = step == 0.0 && !springs.is_empty();
             let step_size = match chosen {
                 Some(step_size) => step_size,
@@ -74,11 +75,11 @@ impl<const D: usize> QuasiStatic<D> {
             let start = Instant::now();
             // not the length, which the end of the run cuts short: a run that ends later must find the same
             step = if step_size.natural > 0.0 { step_size.natural } else { state.last_step };
-            pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
+            active_contacts.iter_mut().zip(&solution.contact_forces).for_each(|(active, force)| active.force = *force);
             let contacts = self.contact_step(placed, step);
-            let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
-            let held = if rounds.holds() { self.near(&pressed) } else { Vec::new() };
-            let projection = contacts.project(&unpressed, &held)?;
+            let unpressed = contacts.without_contacts(velocities(&twists), active_contacts.iter().chain(&loose));
+            let near_contacts = if rounds.holds() { self.near(&active_contacts) } else { Vec::new() };
+            let projection = contacts.project(&unpressed, &near_contacts)?;
             effort.contact += start.elapsed().as_secs_f64();
             let scale = fastest(&twists, &unpressed);
             let apart = largest_difference(&twists, &projection.velocities);
@@ -91,12 +92,12 @@ impl<const D: usize> QuasiStatic<D> {
                 return Ok(Agreed { solution, twists, contacts, friction: None, step_size });
             }
             let projected = contacts.closed(projection);
-            if identities(&projected) == identities(&pressed) {
+            if identities(&projected) == identities(&active_contacts) {
                 // what is left of the residual may be what they differ by
                 tolerance = (TIGHTEST * tightest).max(0.1 * tolerance);
             }
             let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
-            pressed = rounds.next(apart, pressed, projected, with_one_changed);
+            active_contacts = rounds.next(apart, active_contacts, projected, with_one_changed);
         }
         Err(disagreement(state.time, step, &format!("velocities differ by {difference:.1e}")))
     }
@@ -109,12 +110,12 @@ impl<const D: usize> QuasiStatic<D> {
         }
         let reach = MEMORY_REACH * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
-        self.contact_step(placed, state.last_step).expected(&state.held, velocities, reach)
+        self.contact_step(placed, state.last_step).expected(&state.contact_history, velocities, reach)
     }
 
     /// The contacts of these whose bodies are near each other before the step.
-    fn near(&self, pressed: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
-        pressed.iter().filter(|pressed| pressed.contact.gap < MEMORY_REACH * self.radii[pressed.contact.body]).copied().collect()
+    fn near(&self, active_contacts: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
+        active_contacts.iter().filter(|active| active.contact.gap < MEMORY_REACH * self.radii[active.contact.body]).copied().collect()
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Film {
     /// What is coloured of all frames in turn, or every second, fourth, .. value of it, so that there are never more than 2^22.
     pub coloured: Vec<f64>,
     /// Values so far, and of how many one is kept.
-    seen: usize,
+    count: usize,
     stride: usize,
 }
 
@@ -65,7 +65,7 @@ impl Film {
             balls: false,
             times: Vec::new(),
             coloured: Vec::new(),
-            seen: 0,
+            count: 0,
             stride: 1,
         }
     }
@@ -93,16 +93,16 @@ impl Film {
 
     fn add_value(&mut self, value: f64, most: usize) {
         let value = value / self.unit;
-        if self.seen.is_multiple_of(self.stride) {
+        if self.count.is_multiple_of(self.stride) {
             if self.coloured.len() == most {
                 self.coloured = self.coloured.iter().step_by(2).copied().collect();
                 self.stride *= 2;
             }
-            if self.seen.is_multiple_of(self.stride) {
+            if self.count.is_multiple_of(self.stride) {
                 self.coloured.push(value);
             }
         }
-        self.seen += 1;
+        self.count += 1;
     }
 }
 

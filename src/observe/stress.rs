@@ -66,15 +66,15 @@ impl<const D: usize> Stress<D> {
     ) -> Result<Stress<D>> {
         let unit = setup.viscosity * shear.rate * setup.domain.volume();
         let stresslets: SMatrix<f64, D, D> = solution.bodies.iter().map(|state| state.stresslet).sum();
-        let pressed = |pressed: &ContactForce<D>| {
-            let normal = pressed.contact.normal;
-            normal * normal.transpose() * (pressed.force * pressed.contact.separation)
+        let moment = |active: &ContactForce<D>| {
+            let normal = active.contact.normal;
+            normal * normal.transpose() * (active.force * active.contact.separation)
         };
-        let moments: SMatrix<f64, D, D> = contacts.iter().map(pressed).sum();
+        let moments: SMatrix<f64, D, D> = contacts.iter().map(moment).sum();
         let rubs = setup.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0);
         let along =
-            |pressed: &ContactForce<D>| PairForce { contact: pressed.contact, force: pressed.tangential, torques: [SMatrix::zeros(); 2] };
-        let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|pressed| along(pressed).stress() + pressed.stress_of_couple()).sum();
+            |active: &ContactForce<D>| PairForce { contact: active.contact, force: active.tangential, torques: [SMatrix::zeros(); 2] };
+        let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|active| along(active).stress() + active.stress_of_couple()).sum();
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
         let at_a_distance = [solution.pair_stress, load_stress(setup, solution, (shear.flow, shear.gradient))]
             .into_iter()

@@ -98,7 +98,7 @@ pub struct Krylov {
 struct Watch<'a> {
     scale: f64,
     before: usize,
-    seen: &'a mut dyn FnMut(usize, f64),
+    monitor: &'a mut dyn FnMut(usize, f64),
 }
 
 impl Krylov {
@@ -139,13 +139,13 @@ impl Krylov {
         }
     }
 
-    /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual. The system is applied to `x` last.
+    /// Solves `A x = rhs` starting from `x`; `monitor` is told each iteration and its relative residual. The system is applied to `x` last.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the true residual does not reach the tolerance, with the iterations made, the residual reached and,
     /// where going on from it did not lower it, that it stagnates.
-    pub fn solve(&mut self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
-        self.solve_above(0.0, system, rhs, x, seen)
+    pub fn solve(&mut self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, monitor: &mut dyn FnMut(usize, f64)) -> Result<Report> {
+        self.solve_above(0.0, system, rhs, x, monitor)
     }
 
     /// As [`solve`](Self::solve), where a residual of the norm `rounding` is what rounding makes of a right-hand side that should be zero.
@@ -158,7 +158,7 @@ impl Krylov {
         system: &mut dyn System,
         rhs: &Vector,
         x: &mut Vector,
-        seen: &mut dyn FnMut(usize, f64),
+        monitor: &mut dyn FnMut(usize, f64),
     ) -> Result<Report> {
         let start = Instant::now();
         let norm = rhs.norm()?;
@@ -173,7 +173,7 @@ impl Krylov {
         let mut passable: Option<(Vector, f64)> = None;
         loop {
             self.set_stopping_rule(rounding, if restarts == 0 { 1.0 } else { AIM })?;
-            self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, seen })?;
+            self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, monitor })?;
             let truth = true_residual(system, rhs, x, &mut residual)? / size;
             report = self.outcome(report.iterations, size, truth, start)?;
             let reason = self.reason()?;
@@ -321,7 +321,7 @@ extern "C" fn monitor(_: ffi::KSP, iteration: ffi::PetscInt, residual: f64, cont
     guard(|| {
         let watch = unsafe { &*context.cast::<Cell<*mut c_void>>() }.get().cast::<Watch>();
         if let Some(watch) = unsafe { watch.as_mut() } {
-            (watch.seen)(watch.before + iteration as usize, residual * watch.scale);
+            (watch.monitor)(watch.before + iteration as usize, residual * watch.scale);
         }
         Ok(())
     })

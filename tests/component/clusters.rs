@@ -148,7 +148,7 @@ fn clusters_pressed_into_a_corner_do_not_overlap(session: &Session) {
     let mut most = 0;
     while !simulation.over() {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        most = most.max(observation.contacts.iter().filter(|pressed| pressed.force > 1.0).count());
+        most = most.max(observation.contacts.iter().filter(|active| active.force > 1.0).count());
         simulation.step(&observation, &mut |_, _| {}).unwrap();
         let centers = simulation.state().centers();
         for (one, other) in (0..5).flat_map(|one| (5..10).map(move |other| (one, other))) {

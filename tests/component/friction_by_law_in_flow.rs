@@ -87,11 +87,11 @@ fn no_contact_of_a_crowd_exceeds_its_bound(session: &Session) {
     for number in 0..25 {
         let (observation, report) = step(&mut simulation);
         assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
-        let largest = forces(&observation).iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
-        for (pressed, side) in forces(&observation) {
-            let bound = law.coefficient * (pressed.force - law.critical_load).max(0.0);
+        let largest = forces(&observation).iter().map(|(active, _)| active.force).fold(0.0, f64::max);
+        for (active, side) in forces(&observation) {
+            let bound = law.coefficient * (active.force - law.critical_load).max(0.0);
             assert!(side.norm() < bound + 1e-3 * largest, "{} of {bound}", side.norm());
-            of_each[usize::from(pressed.force > law.critical_load)] += 1;
+            of_each[usize::from(active.force > law.critical_load)] += 1;
         }
         solves += observation.effort.solves;
     }

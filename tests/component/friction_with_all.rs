@@ -54,8 +54,8 @@ fn imbalance<const D: usize>(simulation: &Simulation<D>, observation: &Observati
     let torque = |arm: SVector<f64, D>, force: SVector<f64, D>| force * arm.transpose() - arm * force.transpose();
     let radii = simulation.radii();
     let mut largest = 0.0f64;
-    for pressed in &observation.contacts {
-        let (contact, force) = (&pressed.contact, pressed.whole());
+    for active in &observation.contacts {
+        let (contact, force) = (&active.contact, active.whole());
         largest = largest.max(force.norm());
         let part = contact.other().map_or(1.0, |other| radii[contact.body] / (radii[contact.body] + radii[other]));
         let mut add = |body: usize, force: SVector<f64, D>, arm: SVector<f64, D>| {
@@ -173,10 +173,10 @@ fn a_crowd_with_inertia_obeys_the_law(session: &Session) {
         let report = observation.friction.unwrap();
         assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "{report:?}");
         // friction takes energy, but for what the law is missed by at the speed of the walls
-        let pressing: f64 = observation.contacts.iter().map(|pressed| pressed.force.max(0.0)).sum();
+        let pressing: f64 = observation.contacts.iter().map(|active| active.force.max(0.0)).sum();
         assert!(report.work <= FrictionReport::TOLERANCE_IN_FLOW * pressing * 12.0 * 0.0125, "{report:?}");
-        for pressed in observation.contacts.iter().filter(|pressed| pressed.force > 0.0) {
-            assert!(pressed.tangential.norm() <= 0.5 * pressed.force * (1.0 + 1e-3));
+        for active in observation.contacts.iter().filter(|active| active.force > 0.0) {
+            assert!(active.tangential.norm() <= 0.5 * active.force * (1.0 + 1e-3));
         }
         rubbed += report.sticking + report.slipping;
         simulation.step(&observation, &mut |_, _| {}).unwrap();
@@ -194,8 +194,8 @@ fn the_smoother_surface_of_a_contact_counts(session: &Session) {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             assert!(observation.friction.unwrap().residual <= FrictionReport::TOLERANCE_IN_FLOW);
             last = vec![f64::NAN; 3];
-            for pressed in observation.contacts.iter().filter(|pressed| pressed.force > 0.0) {
-                last[pressed.contact.body] = pressed.tangential.norm() / pressed.force;
+            for active in observation.contacts.iter().filter(|active| active.force > 0.0) {
+                last[active.contact.body] = active.tangential.norm() / active.force;
             }
             simulation.step(&observation, &mut |_, _| {}).unwrap();
         }

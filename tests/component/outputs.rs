@@ -151,7 +151,7 @@ impl Output<2> for Network {
     fn write(&mut self, view: &View<2>) -> Result<()> {
         let (motion, totals) = (view.motion.unwrap(), view.contacts().unwrap());
         let fabric = motion.fabric().map_or([f64::NAN; 3], |fabric| [fabric.m11, fabric.m12, fabric.m22]);
-        *self.0.borrow_mut() = [&[totals.held as f64, totals.ends as f64], &fabric[..]].concat();
+        *self.0.borrow_mut() = [&[totals.active as f64, totals.ends as f64], &fabric[..]].concat();
         Ok(())
     }
 }

@@ -203,7 +203,7 @@ const WALLED: &str = "domain = { size = [9.0, 8.0], y = \"walls\" }";
 fn a_stress_decides_the_rate(session: &Session) {
     let boxes = [("domain.size = [8.0, 8.0]", "shear_stress = 5.0, periodic = \"sheared\""), (WALLED, "shear_stress = -5.0")];
     for (domain, drive) in boxes {
-        let (mut slid, mut last, mut rates, mut pressed) = (0.0, 0.0, Vec::new(), 0);
+        let (mut slid, mut last, mut rates, mut contact_count) = (0.0, 0.0, Vec::new(), 0);
         run::<2>(session, &pushed(domain, drive, 0.6), |simulation, observation| {
             let flow = simulation.suspension().unwrap();
             let (found, setup) = (viscosity(flow, observation), flow.setup());
@@ -213,12 +213,12 @@ fn a_stress_decides_the_rate(session: &Session) {
             assert!(found.wall_stress.is_none_or(|stress| (stress / wanted - 1.0).abs() < 1e-4), "{:?}", found.wall_stress);
             let protocol = setup.domain.protocol().unwrap();
             assert!((protocol.rate(0.0) * found.relative() * 0.5 / wanted - 1.0).abs() < 4e-5);
-            pressed += observation.contacts.iter().filter(|contact| contact.force > 0.0).count();
+            contact_count += observation.contacts.iter().filter(|contact| contact.force > 0.0).count();
             (slid, last) = (simulation.state().shear.strain, simulation.state().time);
             rates.push(protocol.rate(0.0).abs());
             assert!((simulation.domain().shift() - if domain == WALLED { 0.0 } else { 8.0 * slid }).abs() < 1e-9);
         });
-        assert!(pressed > 0);
+        assert!(contact_count > 0);
         let [low, high] = [f64::min, f64::max].map(|most| rates.iter().copied().reduce(most).unwrap());
         assert!(slid.abs() > low * last && slid.abs() < high * last && high > 1.01 * low, "{slid} {low} {high}");
     }

@@ -228,7 +228,7 @@ fn disks_that_meet_across_the_seam_do_not_overlap(session: &Session) {
     let (mut across, radii) = (0, vec![1.0; 14]);
     while !simulation.over() {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        across += observation.contacts.iter().filter(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0).count();
+        across += observation.contacts.iter().filter(|active| active.force > 0.0 && active.contact.image[1] != 0).count();
         simulation.step(&observation, &mut |_, _| {}).unwrap();
         let smallest = near_pairs(simulation.domain(), &simulation.state().balls(&radii), 0.5).into_iter().map(|pair| pair.gap);
         let smallest = smallest.fold(f64::INFINITY, f64::min);

@@ -89,8 +89,8 @@ impl Case {
 
 impl Promise {
     /// What is promised, and what was seen; fails if they differ.
-    fn keep(&self, name: &str, seen: &Outcome, others: &BTreeMap<String, Value>) -> (String, String) {
-        match (self, seen) {
+    fn keep(&self, name: &str, outcome: &Outcome, others: &BTreeMap<String, Value>) -> (String, String) {
+        match (self, outcome) {
             (Promise::Refused(code, text), Outcome::Refused(found, said)) => {
                 assert!(code == found && said.contains(text), "{name}: ended with {found} instead of {code}: {said}");
                 (format!("refused: `{text}`"), format!("exit code {found}"))
@@ -132,16 +132,16 @@ fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
     }
     let mut rows = vec![Vec::new(); cases.len()];
     for ranks in [1, 2, 3] {
-        let seen: Vec<Outcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
-        let ended = |(case, seen): (&Case, &Outcome)| match seen {
+        let outcomes: Vec<Outcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
+        let ended = |(case, outcome): (&Case, &Outcome)| match outcome {
             Outcome::Ended(summary) => Some((case.name.clone(), summary.clone())),
             Outcome::Refused(..) => None,
         };
-        let others: BTreeMap<String, Value> = cases.iter().zip(&seen).filter_map(ended).collect();
-        for ((case, seen), row) in cases.iter().zip(&seen).zip(&mut rows) {
+        let others: BTreeMap<String, Value> = cases.iter().zip(&outcomes).filter_map(ended).collect();
+        for ((case, outcome), row) in cases.iter().zip(&outcomes).zip(&mut rows) {
             assert!(!case.promises.is_empty(), "{} promises nothing", case.name);
             let name = format!("{} on {ranks} ranks", case.name);
-            let kept: Vec<(String, String)> = case.promises.iter().map(|promise| promise.keep(&name, seen, &others)).collect();
+            let kept: Vec<(String, String)> = case.promises.iter().map(|promise| promise.keep(&name, outcome, &others)).collect();
             row.push(kept);
         }
     }

@@ -90,8 +90,8 @@ impl<const D: usize> GranularChains<D> {
         let owns = |chain: &&Range<usize>| {
             numbers.get(numbers.partition_point(|&number| number < chain.start)).is_some_and(|&next| next < chain.end)
         };
-        let seen: Vec<&Range<usize>> = chains.iter().filter(owns).collect();
-        let halo = Halo::of_numbers(peers, &numbers, seen.iter().flat_map(|chain| (*chain).clone()));
+        let owned: Vec<&Range<usize>> = chains.iter().filter(owns).collect();
+        let halo = Halo::of_numbers(peers, &numbers, owned.iter().flat_map(|chain| (*chain).clone()));
         let place = |body: usize| halo.place(body).unwrap_or_default();
         let spread = |of: fn(&super::Moving<D>) -> SVector<f64, D>| {
             halo.spread_vectors(peers, &state.bodies.iter().map(of).collect::<Vec<SVector<f64, D>>>())
@@ -124,7 +124,7 @@ impl<const D: usize> GranularChains<D> {
             let rows = rule.rows(&now, &springs(chain, step.length)).into_iter().zip(rods).collect();
             GranularChain::new(first..first + chain.len(), rows, of_chain(chain), &resistances)
         };
-        let chains = seen.iter().map(solved).collect();
+        let chains = owned.iter().map(solved).collect();
         GranularChains { chains, halo, centers, step, resistances }
     }
 

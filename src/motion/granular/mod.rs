@@ -93,7 +93,7 @@ struct Known<const D: usize> {
 struct Kept<const D: usize> {
     projection: ProjectionShare<D>,
     /// What contacts remember then.
-    stuck: Vec<AdhesiveContact<D>>,
+    adhesive_contacts: Vec<AdhesiveContact<D>>,
     /// What contacts change the wanted velocities by that ties are next to; empty without ties.
     changes: Vec<SVector<f64, D>>,
 }
@@ -184,8 +184,8 @@ impl<const D: usize> Granular<D> {
     }
 
     /// The own bodies, those within reach of interactions, and those of contacts that stick.
-    fn neighbours(&self, peers: Peers, state: &State<D>, stuck: &[AdhesiveContact<D>]) -> Neighbours<D> {
-        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), stuck, self.reach)
+    fn neighbours(&self, peers: Peers, state: &State<D>, adhesive_contacts: &[AdhesiveContact<D>]) -> Neighbours<D> {
+        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), adhesive_contacts, self.reach)
     }
 
     /// The forces that interactions know from where bodies are, and accelerations by all forces but those that a projection finds.
@@ -234,8 +234,8 @@ impl<const D: usize> Granular<D> {
         let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
         let arrangement =
             Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0, time: state.time };
-        let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
-        let remembered = migration::remembered(peers, &found, &state.stuck, remember);
+        let remember = |adhesive_contacts: &[_], forces: &[_]| self.interactions.remember(&arrangement, adhesive_contacts, forces, step);
+        let remembered = migration::remembered(peers, &found, &state.adhesive_contacts, remember);
         Ok((found, remembered))
     }
 
@@ -249,8 +249,8 @@ impl<const D: usize> Granular<D> {
     ) -> Result<Kept<D>> {
         let lower_bounds = self.lower_bounds(state, step);
         let Some(ties) = ties else {
-            let (projection, stuck) = self.project(state, moves, &lower_bounds, step)?;
-            return Ok(Kept { projection, stuck, changes: Vec::new() });
+            let (projection, adhesive_contacts) = self.project(state, moves, &lower_bounds, step)?;
+            return Ok(Kept { projection, adhesive_contacts, changes: Vec::new() });
         };
         let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
@@ -267,12 +267,12 @@ impl<const D: usize> Granular<D> {
             for (body, twist) in target.iter_mut().enumerate() {
                 twist.velocity = tied[body] - contacts.ahead[body];
             }
-            let (projection, stuck) = self.project(state, &target, &lower_bounds, step)?;
+            let (projection, adhesive_contacts) = self.project(state, &target, &lower_bounds, step)?;
             let kept = &projection.projection.velocities;
             let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
             apart = -peers.min(-difference) * step;
             if apart <= AGREEMENT * smallest {
-                return Ok(Kept { projection, stuck, changes: changes.into_owned() });
+                return Ok(Kept { projection, adhesive_contacts, changes: changes.into_owned() });
             }
             together.meet(&projection, &lower_bounds);
             let at_once = if AT_ONCE.contains(&round) {
@@ -321,13 +321,13 @@ impl<const D: usize> Granular<D> {
     /// What the contact forces of the last step would change velocities by. Collective.
     fn by_last_contacts(&self, state: &State<D>, step: f64) -> Vec<SVector<f64, D>> {
         let (peers, numbers) = (self.peers(), state.numbers());
-        let halo = Halo::of_numbers(peers, &numbers, state.held.iter().flat_map(|held| bodies_of(held.identity())));
+        let halo = Halo::of_numbers(peers, &numbers, state.contact_history.iter().flat_map(|contact| bodies_of(contact.identity())));
         let balls = halo.spread_balls(peers, &state.balls(&self.radii));
         let mut changes = vec![SVector::zeros(); halo.len()];
-        for held in &state.held {
-            let identity = renamed(held.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
+        for history in &state.contact_history {
+            let identity = renamed(history.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
             let contact = Contact::again(&self.domain, &balls, identity);
-            let push = contact.normal * (held.force * step);
+            let push = contact.normal * (history.force * step);
             changes[contact.body] -= push;
             if let Some(other) = contact.other() {
                 changes[other] += push;
@@ -382,11 +382,11 @@ impl<const D: usize> Granular<D> {
 
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
-        if !self.peers().any(!state.stuck.is_empty()) {
+        if !self.peers().any(!state.adhesive_contacts.is_empty()) {
             return Vec::new();
         }
-        let near = self.neighbours(self.peers(), state, &state.stuck);
-        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.stuck, step);
+        let near = self.neighbours(self.peers(), state, &state.adhesive_contacts);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.adhesive_contacts, step);
         near.own_contacts(bounds)
     }
 }
@@ -463,8 +463,8 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let rubbed = rubbing.as_ref().map(|rubbing| &rubbing.changes[..]);
         moves.iter_mut().zip(rubbed.unwrap_or_default()).for_each(|(twist, change)| twist.spin += change.spin);
         let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, length);
-        let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
-        let mut pressed = Vec::new();
+        let (mut contacts, mut adhesive_contacts, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
+        let mut active_contacts = Vec::new();
         let wanted = velocities(&moves);
         let mut changes = vec![SVector::zeros(); moves.len()];
         let touch = self.interactions.touch();
@@ -472,8 +472,9 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             let kept = self.keep_apart(state, ties.as_mut(), (&moves, rubbed), step)?;
             let ProjectionShare { projection, view } = kept.projection;
             moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
-            pressed = projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }).collect();
-            (stuck, changes, kkt_report) = (kept.stuck, kept.changes, Some(projection.kkt_report));
+            active_contacts =
+                projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }).collect();
+            (adhesive_contacts, changes, kkt_report) = (kept.adhesive_contacts, kept.changes, Some(projection.kkt_report));
         } else if let Some(ties) = &mut ties {
             moves.iter_mut().zip(ties.hold(self.peers(), &wanted, &changes)).for_each(|(twist, velocity)| twist.velocity = velocity);
         }
@@ -488,12 +489,12 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
         }
         if let Some(rubbing) = &rubbing {
-            let friction = Some(self.friction_report(state, rubbing, &moves, &pressed));
+            let friction = Some(self.friction_report(state, rubbing, &moves, &active_contacts));
             kkt_report = kkt_report.map(|report| KktReport { friction, ..report });
-            pressed = rubbing.forces(state, pressed);
+            active_contacts = rubbing.forces(state, active_contacts);
         }
-        contacts.extend(pressed);
+        contacts.extend(active_contacts);
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, shear: state.shear, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, effort })
     }
 }

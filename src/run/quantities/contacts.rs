@@ -14,7 +14,7 @@ pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
     let gap = "smallest gap between bodies, or of a body to a wall; negative: overlap; empty: no two are near";
     vec![
         Quantity::new("contacts", "", "contacts that bear a force or stick", |view| {
-            contact(view).and_then(|_| Some(view.contacts()?.held))
+            contact(view).and_then(|_| Some(view.contacts()?.active))
         }),
         Quantity::new(
             "contact_number",
@@ -29,7 +29,7 @@ pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
             |view| contact(view).and(view.flow).and(view.motion).map(|motion| Perhaps(motion.fabric())),
         ),
         Quantity::new("stuck", "", "contacts that stick (sticky contact, `gluey`)", |view| {
-            contact(view)?.gluey().then(|| Some(view.contacts()?.stuck))?
+            contact(view)?.gluey().then(|| Some(view.contacts()?.adhesive))?
         }),
         Quantity::new("smallest_gap", "radii of the smaller body", gap, |view| {
             contact(view).map(|_| Finite(kept(view).map_or(f64::INFINITY, |kept| kept.smallest_gap)))
