@@ -47,7 +47,7 @@ struct Direction<const D: usize, const W: usize> {
 }
 
 /// Where the method stands, in units of the largest component of `q`.
-struct Point<'a, const D: usize, const W: usize> {
+struct Iterate<'a, const D: usize, const W: usize> {
     program: &'a FrictionProgram<D, W>,
     motion: Vec<[f64; W]>,
     /// Of what corrects the mobility of contacts.
@@ -61,7 +61,7 @@ struct Point<'a, const D: usize, const W: usize> {
 /// all methods and falls no more.
 pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: &[[f64; D]], (start, aim): (f64, f64)) -> PathEnd<D> {
     let mut best = PathEnd { forces: guess.to_vec(), residual: f64::INFINITY, iterations: 0 };
-    let mut point = Point::new(program, guess, start);
+    let mut point = Iterate::new(program, guess, start);
     let touches = [program.touches(), program.medium.touches()].concat();
     let mut factors = BlockLu::new(program.bodies, W, &touches);
     let mut short = 0;
@@ -84,11 +84,11 @@ pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, g
     best
 }
 
-impl<'a, const D: usize, const W: usize> Point<'a, D, W> {
+impl<'a, const D: usize, const W: usize> Iterate<'a, D, W> {
     fn new(program: &'a FrictionProgram<D, W>, guess: &[[f64; D]], start: f64) -> Self {
         let guess: Vec<[f64; D]> = guess.iter().map(|force| force.map(|component| component / program.unit)).collect();
         let motion = program.motion(&guess);
-        let mut point = Point { program, motion, amplitudes: program.amplitudes(&guess), pairs: Vec::new(), last: 1.0 };
+        let mut point = Iterate { program, motion, amplitudes: program.amplitudes(&guess), pairs: Vec::new(), last: 1.0 };
         let near = |(place, velocity): (usize, [f64; D])| {
             let normal = guess[program.leader(place)][0];
             let force = std::array::from_fn(|axis| if axis == 0 { normal } else { guess[place][axis] });

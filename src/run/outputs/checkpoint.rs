@@ -13,7 +13,7 @@ use crate::{
     body::{Twist, components, planes, skew},
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
-    fitted::Rigid,
+    fitted::PlaneTwist,
     grid::Grid,
     interaction::Wrench,
     mechanics::{
@@ -133,8 +133,8 @@ fn read_mesh_level(checkpoint: &Checkpoint, bodies: usize, name: &str) -> Result
     let vectors = |what: &str| -> Result<Vec<Vector2<f64>>> {
         Ok(checkpoint.shared(&format!("{name}_{what}"))?.chunks_exact(2).map(Vector2::from_column_slice).collect())
     };
-    let motion = |numbers: &[f64]| Rigid { velocity: Vector2::new(numbers[0], numbers[1]), spin: numbers[2] };
-    let motions: Vec<Rigid> = checkpoint.shared(&format!("{name}_motions"))?.chunks_exact(3).map(motion).collect();
+    let motion = |numbers: &[f64]| PlaneTwist { velocity: Vector2::new(numbers[0], numbers[1]), spin: numbers[2] };
+    let motions: Vec<PlaneTwist> = checkpoint.shared(&format!("{name}_motions"))?.chunks_exact(3).map(motion).collect();
     let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
     let level = MeshLevel { time, centers: vectors("centers")?, motions, nodes: vectors("nodes")?, velocities: vectors("velocities")? };
     let fits = level.centers.len() == bodies && level.motions.len() == bodies && level.velocities.len() == level.nodes.len();
