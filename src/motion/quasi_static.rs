@@ -281,22 +281,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (mut placed, start) = (self.placed(state), Instant::now());
         placed.domain = placed.domain.sheared_to(state.time, state.shear.strain, shear.mean_rate).over(step);
-        let (mut adhesive_contacts, mut kkt_report) = (Vec::new(), None);
-        match self.suspension.setup().interactions.touch() {
-            Some(Touch::Hard) => {
-                let contacts = self.contact_step(&placed, step);
-                let unpressed = contacts.without_contacts(velocities(&moves), &observation.contacts);
-                let projection = self.keep_apart(&contacts, &unpressed, state, &mut moves)?;
-                adhesive_contacts = self.remembered(&placed, &projection.forces, step);
-                let smallest_gap = match self.suspension.setup().interactions.friction() {
-                    Some(_) => self.contact_step_of(&placed, &placed.balls, step).smallest_gap_after(&moves),
-                    None => projection.kkt_report.smallest_gap,
-                };
-                kkt_report = Some(KktReport { smallest_gap, friction: observation.friction, ..projection.kkt_report });
-            }
-            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
-            None => {}
-        }
+        let (adhesive_contacts, mut kkt_report) = self.keep_contacts(&placed, observation, &mut moves, step)?;
         if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
@@ -322,6 +307,33 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn restore(&mut self, history: History<D>) -> Result<()> {
         self.suspension.restore(history)
+    }
+}
+
+impl<const D: usize> QuasiStatic<D> {
+    /// Makes motions over a step keep hard contacts; what sticks then, and how well the law of contacts is kept.
+    fn keep_contacts(
+        &self,
+        placed: &Placed<D>,
+        observation: &Observation<D>,
+        moves: &mut [Twist<D>],
+        step: f64,
+    ) -> Result<(Vec<AdhesiveContact<D>>, Option<KktReport>)> {
+        match self.suspension.setup().interactions.touch() {
+            Some(Touch::Hard) => {
+                let contacts = self.contact_step(placed, step);
+                let unpressed = contacts.without_contacts(velocities(moves), &observation.contacts);
+                let projection = self.keep_apart(&contacts, &unpressed, placed.state, moves)?;
+                let adhesive_contacts = self.remembered(placed, &projection.forces, step);
+                let smallest_gap = match self.suspension.setup().interactions.friction() {
+                    Some(_) => self.contact_step_of(placed, &placed.balls, step).smallest_gap_after(moves),
+                    None => projection.kkt_report.smallest_gap,
+                };
+                Ok((adhesive_contacts, Some(KktReport { smallest_gap, friction: observation.friction, ..projection.kkt_report })))
+            }
+            Some(Touch::Soft { .. }) => Ok((Vec::new(), Some(KktReport::of_forces(&observation.contacts, &placed.balls)))),
+            None => Ok((Vec::new(), None)),
+        }
     }
 }
 

@@ -33,13 +33,10 @@ pub fn picture<const D: usize>(
     let (quantity, coloured) = coloured(scene, suspension, solution, &plane, &total)?;
     let groups = groups(setup, colour);
     let (lines, largest) = force_lines(&cut_lines(&plane, contacts), |vector| plane.within(vector));
-    let strain =
-        Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.strain(&setup.domain, time)));
     let forces = (!lines.is_empty()).then(|| format!("contact forces as widths of lines, the widest {largest:.4}"));
-    let parts = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
     Ok(Picture {
         title: scene.shown_title().to_owned(),
-        subtitle: parts.into_iter().flatten().collect::<Vec<_>>().join(", "),
+        subtitle: subtitle(setup, &plane, time, forces),
         axes: plane.names(),
         size: plane.size,
         periodic: plane.periodic,
@@ -58,6 +55,14 @@ pub fn picture<const D: usize>(
         least_speed: scale.least * scale.unit,
         signed: colour == Colour::Vorticity,
     })
+}
+
+/// Time, strain, the place of the plane and what is said of forces, as far as there are such.
+fn subtitle<const D: usize>(setup: &Setup<D>, plane: &CutPlane<D>, time: Option<f64>, forces: Option<String>) -> String {
+    let strain =
+        Shear::of(&setup.domain, &setup.drive).zip(time).map(|(shear, time)| format!("strain {:.4}", shear.strain(&setup.domain, time)));
+    let parts = [time.map(|time| format!("time {time:.4}")), strain, plane.place(), forces];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// What the points of a plane are coloured by, where the flow has these velocities: its name, and its values in the unit of the picture.

@@ -11,15 +11,9 @@ pub fn scalar_picture<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>) -
     let plane = CutPlane::of(scene, &setup.domain, grid);
     let values = scalars(grid, &solution.field, &plane.points())?;
     let flux = fluxes(&plane, &values, setup.gradient.unwrap_or_else(SVector::zeros));
-    let sign = if setup.source < 0.0 { -1.0 } else { 1.0 };
     let (quantity, coloured) = match setup.gradient {
-        Some(gradient) => {
-            ("flux |q| / mean gradient", flux.iter().map(|flux| flux[0].hypot(flux[1]) / gradient.norm()).collect::<Vec<f64>>())
-        }
-        None => {
-            let name = if sign < 0.0 { "minus the scalar u (units of the scene)" } else { "scalar u (units of the scene)" };
-            (name, values.iter().map(|value| sign * value).collect())
-        }
+        Some(gradient) => ("flux |q| / mean gradient", flux.iter().map(|flux| flux[0].hypot(flux[1]) / gradient.norm()).collect()),
+        None => coloured_by_value(&values, setup.source),
     };
     let bodies = solution.inclusions.iter().zip(&setup.inclusions).filter_map(|(state, &(ball, _))| {
         let (center, radius) = plane.cut(&Ball { center: state.center, ..ball })?;
@@ -46,6 +40,13 @@ pub fn scalar_picture<const D: usize>(scene: &Scene, solved: &SolvedScalar<D>) -
         coloured,
         signed: false,
     })
+}
+
+/// The name and the values of a scalar with a source, positive where the source makes it grow.
+fn coloured_by_value(values: &[f64], source: f64) -> (&'static str, Vec<f64>) {
+    let sign = if source < 0.0 { -1.0 } else { 1.0 };
+    let name = if sign < 0.0 { "minus the scalar u (units of the scene)" } else { "scalar u (units of the scene)" };
+    (name, values.iter().map(|value| sign * value).collect())
 }
 
 /// Minus the gradient at the samples, by differences between those beside them; one-sided at walls.

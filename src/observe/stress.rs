@@ -66,15 +66,8 @@ impl<const D: usize> Stress<D> {
     ) -> Result<Stress<D>> {
         let unit = setup.viscosity * shear.rate * setup.domain.volume();
         let stresslets: SMatrix<f64, D, D> = solution.bodies.iter().map(|state| state.stresslet).sum();
-        let moment = |active: &ContactForce<D>| {
-            let normal = active.contact.normal;
-            normal * normal.transpose() * (active.force * active.contact.separation)
-        };
-        let moments: SMatrix<f64, D, D> = contacts.iter().map(moment).sum();
         let rubs = setup.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0);
-        let along =
-            |active: &ContactForce<D>| PairForce { contact: active.contact, force: active.tangential, torques: [SMatrix::zeros(); 2] };
-        let rubbed: SMatrix<f64, D, D> = contacts.iter().map(|active| along(active).stress() + active.stress_of_couple()).sum();
+        let (moments, rubbed) = (normal_moments(contacts), tangential_stress(contacts));
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
         let at_a_distance = [solution.pair_stress, load_stress(setup, solution, (shear.flow, shear.gradient))]
             .into_iter()
@@ -114,6 +107,21 @@ impl<const D: usize> Stress<D> {
         let of = |part: Part, stress| normal_stresses(&stress, shear, self.with_trace || part != Part::Hydrodynamic);
         Parts::of(|part| self.parts.get(part).map(|stress| of(part, stress)))
     }
+}
+
+/// The sum of the moments of forces along normals.
+fn normal_moments<const D: usize>(contacts: &[ContactForce<D>]) -> SMatrix<f64, D, D> {
+    let moment = |active: &ContactForce<D>| {
+        let normal = active.contact.normal;
+        normal * normal.transpose() * (active.force * active.contact.separation)
+    };
+    contacts.iter().map(moment).sum()
+}
+
+/// The sum of the stresses of tangential forces and couples.
+fn tangential_stress<const D: usize>(contacts: &[ContactForce<D>]) -> SMatrix<f64, D, D> {
+    let along = |active: &ContactForce<D>| PairForce { contact: active.contact, force: active.tangential, torques: [SMatrix::zeros(); 2] };
+    contacts.iter().map(|active| along(active).stress() + active.stress_of_couple()).sum()
 }
 
 /// The normal stresses of a stress in a shear; without a pressure if its trace is not known.

@@ -225,6 +225,15 @@ impl Network {
     }
 }
 
+/// For each of so many pores the entries of its row of conductances, by pore.
+fn conductances(pores: &Option<&Pores>, count: usize) -> Vec<Vec<(usize, f64)>> {
+    let mut of_pore = vec![Vec::new(); count];
+    for ([pore, other], entry) in pores.iter().flat_map(|pores| pores.conductances()) {
+        of_pore[pore].push((other, entry));
+    }
+    of_pore
+}
+
 /// This rank's rows of the network.
 fn rows(
     layout: &MultiplierLayout,
@@ -255,10 +264,7 @@ fn rows(
             rows.end_row();
         }
     }
-    let mut conductances = vec![Vec::new(); numbering.of_pore.len()];
-    for ([pore, other], entry) in pores.iter().flat_map(|pores| pores.conductances()) {
-        conductances[pore].push((other, entry));
-    }
+    let conductances = conductances(pores, numbering.of_pore.len());
     for &pore in &numbering.pores {
         for (body, forces) in &of_pore[pore] {
             forces.iter().enumerate().for_each(|(mode, force)| rows.push(numbering.of_body[*body] + mode, *force));
