@@ -8,13 +8,15 @@ use nalgebra::SVector;
 use super::{
     FrictionLaw,
     cone::TOLERANCE,
-    exact::{Found, solve_exactly},
-    interior_point::follow,
     medium::Medium,
     program::{FrictionIsland, FrictionProgram},
     row_block::{NONE, RowBlock},
     secant::MobilityMode,
-    sweeps::Sweeps,
+    solver::{
+        exact::{Found, solve_exactly},
+        interior_point::follow,
+        sweeps::Sweeps,
+    },
 };
 use crate::{
     body::{Twist, skew},
