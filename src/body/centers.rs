@@ -8,7 +8,7 @@ use super::columns::{Format, parse, read_text};
 use crate::error::Result;
 
 /// A body as a file gives it: its centre and, if the file has that column, its radius.
-type Entry<const D: usize> = (SVector<f64, D>, Option<f64>);
+type ListedCenter<const D: usize> = (SVector<f64, D>, Option<f64>);
 
 /// Names of the columns.
 const COLUMNS: [&str; 4] = ["x", "y", "z", "radius"];
@@ -28,7 +28,7 @@ pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVec
 }
 
 /// The centre and radius on one line.
-fn entry<const D: usize>(numbers: &[f64]) -> std::result::Result<Entry<D>, String> {
+fn entry<const D: usize>(numbers: &[f64]) -> std::result::Result<ListedCenter<D>, String> {
     let (center, radius) = numbers.split_at(D);
     match radius.first() {
         Some(radius) if *radius <= 0.0 => Err(format!("found radius {radius}, expected a positive number")),
@@ -58,7 +58,7 @@ mod tests {
     fn a_header_orders_the_columns() {
         let text = "# made by hand\n\nradius, Y ,x\n0.1,2,3\n\n0.2,4,5\n";
         let centers = parse_centers::<2>("c.csv", text).unwrap();
-        let expected: [Entry<2>; 2] = [([3.0, 2.0].into(), Some(0.1)), ([5.0, 4.0].into(), Some(0.2))];
+        let expected: [ListedCenter<2>; 2] = [([3.0, 2.0].into(), Some(0.1)), ([5.0, 4.0].into(), Some(0.2))];
         assert_eq!(centers, expected);
     }
 
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn columns_may_be_parted_by_spaced_commas_semicolons_tabs_and_spaces() {
-        let expected: [Entry<2>; 2] = [([1.0, 2.5].into(), Some(0.5)), ([-3.0, 4.0].into(), Some(0.25))];
+        let expected: [ListedCenter<2>; 2] = [([1.0, 2.5].into(), Some(0.5)), ([-3.0, 4.0].into(), Some(0.25))];
         let texts = [
             " x , y, radius\n 1 , 2.5 ,0.5 \n-3,  4, 0.25",
             "x;y;radius\n1; 2.5;0.5\n-3;4;0.25",
@@ -125,7 +125,7 @@ mod tests {
         fn what_is_written_is_read(points in prop::collection::vec((-1e9..1e9, -1e9..1e9, 1e-9..1e9), 1..20)) {
             let lines: Vec<_> = points.iter().map(|(x, y, radius)| format!("{x},{y},{radius}")).collect();
             let centers = parse_centers::<2>("c.csv", &lines.join("\n")).unwrap();
-            let expected: Vec<Entry<2>> = points.iter().map(|&(x, y, radius)| ([x, y].into(), Some(radius))).collect();
+            let expected: Vec<ListedCenter<2>> = points.iter().map(|&(x, y, radius)| ([x, y].into(), Some(radius))).collect();
             prop_assert_eq!(centers, expected);
         }
     }

@@ -88,19 +88,19 @@ impl Halo {
         let numbers = routes.copies(peers, |body| [own_numbers[body] as f64]);
         let copies = numbers.iter().zip(routes.sources()).enumerate().map(|(copy, ([number], rank))| (*number as usize, rank, Some(copy)));
         let mine = own_numbers.iter().map(|&number| (number, peers.rank(), None));
-        let mut seen: Vec<(usize, usize, Option<usize>)> = mine.chain(copies).collect();
-        seen.sort_unstable();
+        let mut known: Vec<(usize, usize, Option<usize>)> = mine.chain(copies).collect();
+        known.sort_unstable();
         let mut places = vec![0; numbers.len()];
         let mut own = Vec::with_capacity(own_numbers.len());
-        for (place, &(_, _, copy)) in seen.iter().enumerate() {
+        for (place, &(_, _, copy)) in known.iter().enumerate() {
             match copy {
                 Some(copy) => places[copy] = place,
                 None => own.push(place),
             }
         }
         Halo {
-            numbers: seen.iter().map(|&(number, ..)| number).collect(),
-            owners: seen.iter().map(|&(_, owner, _)| owner).collect(),
+            numbers: known.iter().map(|&(number, ..)| number).collect(),
+            owners: known.iter().map(|&(_, owner, _)| owner).collect(),
             rank: peers.rank(),
             own,
             routes,
@@ -174,8 +174,8 @@ impl Halo {
     pub fn spread_balls<const D: usize>(&self, peers: Peers, own: &[Ball<D>]) -> Vec<Ball<D>> {
         let centers: Vec<SVector<f64, D>> = own.iter().map(|ball| ball.center).collect();
         let radii: Vec<f64> = own.iter().map(|ball| ball.radius).collect();
-        let seen = self.spread_vectors(peers, &centers).into_iter().zip(self.spread(peers, &radii));
-        seen.map(|(center, radius)| Ball { center, radius }).collect()
+        let spread = self.spread_vectors(peers, &centers).into_iter().zip(self.spread(peers, &radii));
+        spread.map(|(center, radius)| Ball { center, radius }).collect()
     }
 
     fn spread_rows<const W: usize>(&self, peers: Peers, own: impl Fn(usize) -> [f64; W]) -> Vec<[f64; W]> {

@@ -58,9 +58,11 @@ fn text(table: &FilmTable) -> String {
     );
     columns.iter().for_each(|name| text += &format!(" {name:>12} {:>12} {:>12}", "by modes", "missing"));
     for gap in GAPS {
-        let [whole, seen, missing] = [table.exact(gap), table.truncated(gap), table.missing(gap)].map(|resistance| numbers(&resistance));
+        let [whole, truncated, missing] =
+            [table.exact(gap), table.truncated(gap), table.missing(gap)].map(|resistance| numbers(&resistance));
         text += &format!("\n{gap:>8}");
-        (0..columns.len()).for_each(|column| text += &format!(" {:>12.6} {:>12.6} {:>12.6}", whole[column], seen[column], missing[column]));
+        (0..columns.len())
+            .for_each(|column| text += &format!(" {:>12.6} {:>12.6} {:>12.6}", whole[column], truncated[column], missing[column]));
     }
     text + "\n"
 }

@@ -4,7 +4,7 @@
 //! has its points on faces or between them. The nodes around the body are copied, run by run, to a small box without gaps.
 
 use super::places::{Entries, Places};
-use crate::{linalg::vectorized, petsc::Index};
+use crate::{linalg::vectorized, petsc::PetscIndex};
 
 /// Nodes per axis.
 pub const NODES: usize = 4;
@@ -20,7 +20,7 @@ pub struct NodeRun {
     /// Number of them.
     pub length: u32,
     /// First of them in fluid vectors.
-    pub unknown: Index,
+    pub unknown: PetscIndex,
     /// Once planned, its place.
     pub place: u32,
 }

@@ -32,10 +32,10 @@ impl<const D: usize> Neighbourhood<D> {
         reach: f64,
         (own, middle): (&[usize], &SVector<f64, D>),
     ) -> Neighbourhood<D> {
-        let seen = seen(domain, &balls, reach, own, middle);
-        let few: Vec<Ball<D>> = seen.iter().map(|&body| balls[body]).collect();
+        let within_reach = within_reach(domain, &balls, reach, own, middle);
+        let few: Vec<Ball<D>> = within_reach.iter().map(|&body| balls[body]).collect();
         let mut pairs = near_pairs(domain, &few, reach);
-        pairs.iter_mut().for_each(|pair| (pair.first, pair.second) = (seen[pair.first], seen[pair.second]));
+        pairs.iter_mut().for_each(|pair| (pair.first, pair.second) = (within_reach[pair.first], within_reach[pair.second]));
         let walls = near_walls(domain, &balls, reach);
         Neighbourhood { balls, orders, pairs, walls }
     }
@@ -58,7 +58,7 @@ impl<const D: usize> Neighbourhood<D> {
 }
 
 /// Bodies that may be less than `reach` away from an own one, ascending.
-fn seen<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64, own: &[usize], middle: &SVector<f64, D>) -> Vec<usize> {
+fn within_reach<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], reach: f64, own: &[usize], middle: &SVector<f64, D>) -> Vec<usize> {
     if own.len() == balls.len() {
         return own.to_vec();
     }

@@ -6,14 +6,14 @@ use super::{
 };
 use crate::{
     linalg::dot,
-    petsc::{Index, index},
+    petsc::{PetscIndex, index},
 };
 
 /// Rows, each with the unknown of the fluid to which it belongs.
 #[derive(Default)]
 pub struct Rows<V = Vec<f64>> {
     /// Indices in fluid vectors.
-    unknowns: Vec<Index>,
+    unknowns: Vec<PetscIndex>,
     /// Once planned, their places.
     pub places: Vec<u32>,
     /// Values, multipliers running fastest.

@@ -16,7 +16,7 @@ use super::{
     island::{free_body, solve_island},
     kkt_report::certify,
     paths::{Motions, Path, common_motion, paths},
-    share::{Solve, solve_shared},
+    share::{IslandSolver, solve_shared},
 };
 use crate::{
     body::Regions,
@@ -65,7 +65,7 @@ pub(super) fn project_by<const D: usize>(
     peers: Peers,
     share: &ProblemShare<D>,
     memory: &Memory<D>,
-    solve: Solve<D>,
+    solve: IslandSolver<D>,
 ) -> Result<ProjectionShare<D>> {
     let mut state = ProjectionState::new(peers, share, memory);
     check(peers, &share.problem, &state.motions())?;
@@ -154,7 +154,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
     }
 
     /// Adds contacts of bodies by their places and solves the islands that they change.
-    fn add(&mut self, view: &View<D>, fresh: &[Contact<D>], solve: Solve<D>) -> Result<()> {
+    fn add(&mut self, view: &View<D>, fresh: &[Contact<D>], solve: IslandSolver<D>) -> Result<()> {
         let earlier = self.contacts.len();
         for contact in fresh.iter().map(|contact| view.numbered(contact)) {
             self.known.insert(contact.identity());

@@ -16,7 +16,7 @@ use super::{
 use crate::{error::Result, geometry::Ball, parallel::Peers};
 
 /// What solves an island: the forces at its contacts, from a guess.
-pub(super) type Solve<'a, const D: usize> = &'a dyn Fn(&Problem<D>, &[Contact<D>], &[f64]) -> Outcome;
+pub(super) type IslandSolver<'a, const D: usize> = &'a dyn Fn(&Problem<D>, &[Contact<D>], &[f64]) -> Outcome;
 
 /// The forces of all contacts that a rank sees, and what it took to find them.
 pub(super) struct Shared {
@@ -64,7 +64,7 @@ pub(super) fn solve_shared<const D: usize>(
     view: &View<D>,
     share: &ProblemShare<D>,
     (contacts, guess, earlier): (&[Contact<D>], &[f64], usize),
-    solve: Solve<D>,
+    solve: IslandSolver<D>,
 ) -> Result<Shared> {
     if !peers.any(earlier < contacts.len()) {
         return Ok(Shared::of(guess));
@@ -127,7 +127,7 @@ impl<'a, const D: usize> Round<'a, D> {
     }
 
     /// Solves the islands that changed of which all bodies that give way are this rank's.
-    fn solve_inside(&self, shared: &mut Shared, solve: Solve<D>) -> Result<()> {
+    fn solve_inside(&self, shared: &mut Shared, solve: IslandSolver<D>) -> Result<()> {
         let mut islands: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
         for (place, contact) in self.contacts.iter().enumerate() {
             let body = self.free(contact);
@@ -188,7 +188,7 @@ impl<'a, const D: usize> Round<'a, D> {
     }
 
     /// Solves the other islands that span ranks, each on one; gives the forces of their contacts that this rank answers for.
-    fn solve_spanning(&self, shared: &mut Shared, together: &BTreeSet<u64>, solve: Solve<D>) -> Result<Vec<(Identity<D>, f64)>> {
+    fn solve_spanning(&self, shared: &mut Shared, together: &BTreeSet<u64>, solve: IslandSolver<D>) -> Result<Vec<(Identity<D>, f64)>> {
         let islands = self.gather_spanning(&shared.forces, together);
         let mut replies = vec![Vec::new(); self.peers.count()];
         let outcome = islands.values().try_for_each(|island| {
@@ -261,7 +261,7 @@ impl<const D: usize> Default for GatheredContacts<D> {
 
 impl<const D: usize> GatheredContacts<D> {
     /// Solves the island; adds to the replies the force of each contact, for the rank that answers for it.
-    fn solve(&self, whole: &Problem<D>, solve: Solve<D>, replies: &mut [Vec<f64>]) -> Result<(usize, Solver)> {
+    fn solve(&self, whole: &Problem<D>, solve: IslandSolver<D>, replies: &mut [Vec<f64>]) -> Result<(usize, Solver)> {
         let numbers: Vec<usize> = self.bodies.keys().copied().collect();
         let (balls, rest): (Vec<Ball<D>>, Vec<(f64, SVector<f64, D>)>) =
             self.bodies.values().map(|body| (body.ball, (body.weight, body.wanted))).unzip();

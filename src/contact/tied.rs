@@ -64,7 +64,7 @@ struct TiedIsland {
 }
 
 /// For each body the rigid body that it is a ball of, and how that moves it.
-type Rigid<const D: usize> = Vec<Option<(usize, SMatrix<f64, D, RIGID>)>>;
+type RigidMaps<const D: usize> = Vec<Option<(usize, SMatrix<f64, D, RIGID>)>>;
 
 /// A row of the program: entries by unknown, what they are to add up to, and what makes their squares add up to 1.
 struct ScaledRow {
@@ -89,7 +89,7 @@ impl<const D: usize> TiedProblem<'_, D> {
         self.weights[body].is_finite()
     }
 
-    fn rigid(&self) -> Rigid<D> {
+    fn rigid(&self) -> RigidMaps<D> {
         let mut rigid = vec![None; self.weights.len()];
         for (number, RigidBalls(balls)) in self.rigid.iter().enumerate() {
             balls.iter().for_each(|(ball, moved)| rigid[*ball] = Some((number, *moved)));
@@ -98,7 +98,7 @@ impl<const D: usize> TiedProblem<'_, D> {
     }
 
     /// The forces at the contacts of an island; none if it has no solution.
-    fn solve(&self, island: &TiedIsland, rigid: &Rigid<D>) -> Option<Vec<ContactForce<D>>> {
+    fn solve(&self, island: &TiedIsland, rigid: &RigidMaps<D>) -> Option<Vec<ContactForce<D>>> {
         let contacts: Vec<TiedContact<D>> = island.contacts.iter().map(|&contact| self.contacts[contact]).collect();
         let pulled = self.pulled(island, rigid, &contacts);
         let velocity = |body: usize| self.velocities[body] + pulled[body];
@@ -118,7 +118,7 @@ impl<const D: usize> TiedProblem<'_, D> {
     }
 
     /// What the least forces of contacts change velocities by.
-    fn pulled(&self, island: &TiedIsland, rigid: &Rigid<D>, contacts: &[TiedContact<D>]) -> Vec<SVector<f64, D>> {
+    fn pulled(&self, island: &TiedIsland, rigid: &RigidMaps<D>, contacts: &[TiedContact<D>]) -> Vec<SVector<f64, D>> {
         let least = contacts.iter().map(|contact| ContactForce::normal(contact.contact, contact.least));
         let pushes = pushes(self.velocities.len(), least);
         let mut unknowns = vec![SVector::<f64, RIGID>::zeros(); self.rigid.len()];
@@ -133,7 +133,7 @@ impl<const D: usize> TiedProblem<'_, D> {
     }
 
     /// Rows of ties in the unknowns `sqrt(w) (v - wanted)`, and `sqrt(c) f` of the soft ones, of which the number is given too.
-    fn tie_rows(&self, island: &TiedIsland, rigid: &Rigid<D>, velocity: &impl Fn(usize) -> SVector<f64, D>) -> (Vec<ScaledRow>, usize) {
+    fn tie_rows(&self, island: &TiedIsland, rigid: &RigidMaps<D>, velocity: &impl Fn(usize) -> SVector<f64, D>) -> (Vec<ScaledRow>, usize) {
         let (mut rows, mut softs) = (Vec::new(), 0);
         for tie in island.ties.iter().map(|&tie| &self.ties[tie]) {
             let side = tie.rate - tie.ends.iter().map(|(body, side)| side.direction.dot(&velocity(*body))).sum::<f64>();
@@ -150,7 +150,7 @@ impl<const D: usize> TiedProblem<'_, D> {
     fn contact_row(
         &self,
         island: &TiedIsland,
-        rigid: &Rigid<D>,
+        rigid: &RigidMaps<D>,
         velocity: &impl Fn(usize) -> SVector<f64, D>,
         contact: &Contact<D>,
     ) -> ScaledRow {
@@ -161,7 +161,12 @@ impl<const D: usize> TiedProblem<'_, D> {
         ScaledRow::new(self.entries(island, rigid, ends), contact.gap / self.step + moving + sliding)
     }
 
-    fn entries(&self, island: &TiedIsland, rigid: &Rigid<D>, ends: impl Iterator<Item = (usize, SVector<f64, D>)>) -> Vec<(usize, f64)> {
+    fn entries(
+        &self,
+        island: &TiedIsland,
+        rigid: &RigidMaps<D>,
+        ends: impl Iterator<Item = (usize, SVector<f64, D>)>,
+    ) -> Vec<(usize, f64)> {
         let of_end = |(body, direction): (usize, SVector<f64, D>)| -> Vec<(usize, f64)> {
             let Ok(place) = island.bodies.binary_search(&body) else { return Vec::new() };
             let entries: Vec<f64> = match &rigid[body] {
@@ -174,7 +179,7 @@ impl<const D: usize> TiedProblem<'_, D> {
     }
 
     /// Those with contacts, and with ties or rigid bodies.
-    fn islands(&self, rigid: &Rigid<D>) -> Vec<TiedIsland> {
+    fn islands(&self, rigid: &RigidMaps<D>) -> Vec<TiedIsland> {
         let mut sets = UnionFind::new(self.weights.len());
         let free = |bodies: Vec<usize>| -> Vec<usize> { bodies.into_iter().filter(|&body| self.gives_way(body)).collect() };
         let tied: Vec<Vec<usize>> = self.ties.iter().map(|tie| free(tie.ends.iter().map(|(body, _)| *body).collect())).collect();
@@ -203,7 +208,7 @@ impl<const D: usize> TiedProblem<'_, D> {
 
 impl TiedIsland {
     /// Gives each body its unknowns, the balls of a rigid body the same ones.
-    fn number<const D: usize>(&mut self, rigid: &Rigid<D>) {
+    fn number<const D: usize>(&mut self, rigid: &RigidMaps<D>) {
         let mut of_rigid = BTreeMap::new();
         for &body in &self.bodies {
             let next = self.unknowns;

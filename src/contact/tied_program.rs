@@ -31,7 +31,7 @@ pub(super) struct TiedProgram {
 }
 
 /// Multipliers of inequalities, their slacks, and how far they are from the solution: the largest `|min(z, s)|` and miss of an equation.
-struct Trial {
+struct PressTrial {
     multipliers: Vec<f64>,
     slacks: Vec<f64>,
     residual: f64,
@@ -55,8 +55,8 @@ impl TiedProgram {
     }
 
     /// The best that exact equations lead to from a guess of which inequalities press.
-    fn follow(&self, guess: &[bool]) -> Option<Trial> {
-        let (mut presses, mut best): (Vec<bool>, Option<Trial>) = (guess.to_vec(), None);
+    fn follow(&self, guess: &[bool]) -> Option<PressTrial> {
+        let (mut presses, mut best): (Vec<bool>, Option<PressTrial>) = (guess.to_vec(), None);
         for _ in 0..GUESSES {
             let Some(trial) = self.pressed(&presses) else { break };
             let next: Vec<bool> = trial.multipliers.iter().zip(&trial.slacks).map(|(multiplier, slack)| multiplier > slack).collect();
@@ -72,7 +72,7 @@ impl TiedProgram {
     }
 
     /// The least unknowns that meet the equations and leave no slack where inequalities press.
-    fn pressed(&self, presses: &[bool]) -> Option<Trial> {
+    fn pressed(&self, presses: &[bool]) -> Option<PressTrial> {
         let equal = self.equations.len();
         let rows: Vec<usize> = (0..equal).chain((0..presses.len()).filter(|&row| presses[row]).map(|row| equal + row)).collect();
         let sides: Vec<f64> = rows.iter().map(|&row| if row < equal { self.equations[row] } else { -self.offsets[row - equal] }).collect();
@@ -96,7 +96,7 @@ impl TiedProgram {
         rows.iter().zip(&forces).skip(equal).for_each(|(row, force)| multipliers[row - equal] = *force);
         let slacks: Vec<f64> = (0..presses.len()).map(|row| self.product(equal + row, &x) + self.offsets[row]).collect();
         let slack = slacks.iter().zip(&multipliers).map(|(slack, multiplier)| slack.min(*multiplier).abs()).fold(missed, f64::max);
-        Some(Trial { multipliers, slacks, residual: if slack.is_finite() { slack } else { f64::INFINITY } })
+        Some(PressTrial { multipliers, slacks, residual: if slack.is_finite() { slack } else { f64::INFINITY } })
     }
 
     /// Factors of `[1, R^T; R, -softness]`, with `R` these rows.
@@ -138,7 +138,7 @@ impl TiedProgram {
     }
 }
 
-fn clipped(trial: &Trial) -> Vec<f64> {
+fn clipped(trial: &PressTrial) -> Vec<f64> {
     trial.multipliers.iter().map(|multiplier| multiplier.max(0.0)).collect()
 }
 

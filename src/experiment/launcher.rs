@@ -10,7 +10,7 @@ use std::{
 
 use super::{
     arguments::{Start, count},
-    record::Outcome,
+    record::RunOutcome,
 };
 use crate::error::{Error, Result};
 
@@ -107,8 +107,8 @@ impl Launcher {
     ///
     /// # Errors
     /// As there.
-    pub fn outcome<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>, seconds: impl Fn(&T) -> f64) -> Result<Outcome<T>> {
-        Ok(self.attempt(job, read, seconds)?.map_or_else(|failure| Outcome::Failed(reason(&failure)), Outcome::Measured))
+    pub fn outcome<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>, seconds: impl Fn(&T) -> f64) -> Result<RunOutcome<T>> {
+        Ok(self.attempt(job, read, seconds)?.map_or_else(|failure| RunOutcome::Failed(reason(&failure)), RunOutcome::Measured))
     }
 
     fn run<T>(&self, job: &Job, read: impl Fn(&Path) -> Result<T>) -> Result<Result<T>> {

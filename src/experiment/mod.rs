@@ -19,7 +19,7 @@ use self::{
     arguments::Start,
     folder::StudyFolder,
     launcher::Launcher,
-    store::{Identity, Recorded, Store},
+    store::{Recorded, Store, StudyIdentity},
 };
 use crate::{error::Result, output::note};
 
@@ -38,7 +38,7 @@ impl<R: Recorded> Experiment<R> {
     ///
     /// # Errors
     /// The launcher cannot be used, or the folder holds another experiment or is held by another program.
-    pub fn open(start: &Start, folder: PathBuf, file: &'static str, identity: Identity, fresh: bool) -> Result<Experiment<R>> {
+    pub fn open(start: &Start, folder: PathBuf, file: &'static str, identity: StudyIdentity, fresh: bool) -> Result<Experiment<R>> {
         let launcher = Launcher::new(start)?;
         let folder = StudyFolder::take(folder)?;
         let store = Store::open(&folder.path, file, identity, fresh)?;

@@ -10,13 +10,13 @@ pub struct Record<S, M> {
     /// The setting.
     pub setting: S,
     /// What came of it.
-    pub outcome: Outcome<M>,
+    pub outcome: RunOutcome<M>,
 }
 
 /// What came of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome<M> {
+pub enum RunOutcome<M> {
     /// A run to its end.
     Measured(M),
     /// Why there is none.
@@ -27,16 +27,16 @@ impl<S, M> Record<S, M> {
     /// The run, if it came to its end.
     pub fn measured(&self) -> Option<&M> {
         match &self.outcome {
-            Outcome::Measured(measured) => Some(measured),
-            Outcome::Failed(_) => None,
+            RunOutcome::Measured(measured) => Some(measured),
+            RunOutcome::Failed(_) => None,
         }
     }
 
     /// Why there is no run, if there is none.
     pub fn failure(&self) -> Option<&str> {
         match &self.outcome {
-            Outcome::Measured(_) => None,
-            Outcome::Failed(reason) => Some(reason),
+            RunOutcome::Measured(_) => None,
+            RunOutcome::Failed(reason) => Some(reason),
         }
     }
 }

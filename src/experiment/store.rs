@@ -31,18 +31,18 @@ pub trait Recorded: Serialize + DeserializeOwned {
 }
 
 /// What decides all that a study measures: runs of another study are not taken for its own.
-pub struct Identity {
+pub struct StudyIdentity {
     /// What stands in the file beside the records.
     pub json: Value,
     /// Places in it that must not differ, and what they are called; what is in none of the first is in the last.
     pub places: Vec<(String, String)>,
 }
 
-impl Identity {
+impl StudyIdentity {
     /// The version of the program alone.
-    pub fn of_version() -> Identity {
+    pub fn of_version() -> StudyIdentity {
         let places = vec![("/version".into(), VERSION.into())];
-        Identity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places }
+        StudyIdentity { json: json!({ "version": env!("CARGO_PKG_VERSION") }), places }
     }
 
     /// The version of the program, the text of a scene with its overrides, a number that stands for the contents of the files that it names, a quantity or
@@ -50,7 +50,7 @@ impl Identity {
     ///
     /// # Errors
     /// A file that the scene names cannot be read.
-    pub fn of_scene(scene: &Scene, word: &str, quantity: impl Serialize, start: &Start) -> Result<Identity> {
+    pub fn of_scene(scene: &Scene, word: &str, quantity: impl Serialize, start: &Start) -> Result<StudyIdentity> {
         let Start { launcher, petsc, ranks } = start;
         let json = json!({ "identity": {
             "version": env!("CARGO_PKG_VERSION"), "scene": scene.text, "files": files_of(scene)?, word: quantity, "ranks": ranks, "launcher": launcher,
@@ -59,7 +59,7 @@ impl Identity {
         let inside = [("version", VERSION), ("scene", "the scene"), ("files", "the files of the scene"), (word, &format!("the {word}"))];
         let mut places: Vec<(String, String)> = inside.map(|(key, name)| (format!("/identity/{key}"), name.to_owned())).to_vec();
         places.push(("/identity".into(), "how runs are started".into()));
-        Ok(Identity { json, places })
+        Ok(StudyIdentity { json, places })
     }
 }
 
@@ -120,7 +120,7 @@ impl<R: Recorded> Store<R> {
     ///
     /// # Errors
     /// [`Error::Refused`] if the folder holds another study, or a record that was altered, and nobody said `fresh`.
-    pub fn open(folder: &Path, file: &'static str, identity: Identity, fresh: bool) -> Result<Store<R>> {
+    pub fn open(folder: &Path, file: &'static str, identity: StudyIdentity, fresh: bool) -> Result<Store<R>> {
         let path = folder.join(file);
         let mut records = Vec::new();
         if path.exists() && !fresh {

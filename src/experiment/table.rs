@@ -1,10 +1,10 @@
 //! Tables of text. A row is a list of cells, each with the head of its column.
 
 /// Heads and cells of a row.
-pub type Row<'a> = Vec<(&'a str, String)>;
+pub type TableRow<'a> = Vec<(&'a str, String)>;
 
 /// A table in Markdown, a line for each row below the heads of the first one.
-pub fn markdown(rows: &[Row]) -> String {
+pub fn markdown(rows: &[TableRow]) -> String {
     let Some(first) = rows.first() else { return String::new() };
     let line = |cells: Vec<&str>| format!("| {} |", cells.join(" | "));
     let cells = rows.iter().map(|row| line(row.iter().map(|(_, cell)| cell.as_str()).collect()));
@@ -13,14 +13,14 @@ pub fn markdown(rows: &[Row]) -> String {
 }
 
 /// The same for other programs, with commas.
-pub fn csv(rows: &[Row]) -> String {
+pub fn csv(rows: &[TableRow]) -> String {
     let heads = rows.first().map_or(Vec::new(), |row| row.iter().map(|(head, _)| *head).collect());
     let lines = rows.iter().map(|row| row.iter().map(|(_, cell)| cell.as_str()).collect());
     std::iter::once(heads).chain(lines).map(|cells| cells.join(",") + "\n").collect()
 }
 
 /// The same for a terminal: names, if they have a width, to the left, then cells to the right.
-pub fn aligned(name_width: usize, rows: &[Row]) -> String {
+pub fn aligned(name_width: usize, rows: &[TableRow]) -> String {
     let named = usize::from(name_width > 0);
     let cell = |(place, text): (usize, &str)| match place {
         0 if named == 1 => format!("{text:<name_width$}"),

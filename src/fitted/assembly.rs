@@ -1,6 +1,8 @@
 //! The linear system of Stokes flow on a mesh, or of a step of a flow with inertia.
 
-use super::{Acceleration, DiskMotion, MeshInertia, Rigid, Sample, StokesNumbering, StokesProblem, System, Triangle, numbering::Component};
+use super::{
+    Acceleration, DiskMotion, MeshInertia, PlaneTwist, Sample, StokesNumbering, StokesProblem, System, Triangle, numbering::Component,
+};
 use crate::error::Result;
 
 impl StokesNumbering {
@@ -33,7 +35,7 @@ impl StokesNumbering {
     /// The momentum of free disks.
     fn assemble_momentum(&self, inertia: &MeshInertia, system: &mut System) {
         for (first, disk) in self.disks.iter().zip(&inertia.disks) {
-            let (Some(first), Rigid { velocity, spin }) = (*first, disk.history) else { continue };
+            let (Some(first), PlaneTwist { velocity, spin }) = (*first, disk.history) else { continue };
             let masses = [disk.mass, disk.mass, disk.moment];
             for (row, (mass, known)) in (first..).zip(masses.into_iter().zip([velocity.x, velocity.y, spin])) {
                 system.add(row, row, mass * inertia.rate);

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 const POINTS: usize = 12;
 
 /// Weight and barycentric coordinates of each kind of point, of which all permutations are points.
-const KINDS: [(f64, [f64; 3]); 3] = [
+const ORBITS: [(f64, [f64; 3]); 3] = [
     (0.116_786_275_726_379, [0.501_426_509_658_179, 0.249_286_745_170_910, 0.249_286_745_170_911]),
     (0.050_844_906_370_207, [0.873_821_971_016_996, 0.063_089_014_491_502, 0.063_089_014_491_502]),
     (0.082_851_075_618_374, [0.636_502_499_121_399, 0.310_352_451_033_784, 0.053_145_049_844_817]),
@@ -56,10 +56,10 @@ fn slopes(l: &Vector3<f64>) -> [Vector2<f64>; 6] {
 /// Weights, which sum to 1, and barycentric coordinates of the quadrature points.
 fn quadrature() -> [(f64, Vector3<f64>); POINTS] {
     let turned = |(weight, l): (f64, [f64; 3]), turn: usize| (weight, Vector3::from_fn(|k, _| l[(k + turn) % 3]));
-    let [one, two, three] = KINDS;
+    let [one, two, three] = ORBITS;
     let mirrored = (three.0, [three.1[1], three.1[0], three.1[2]]);
-    let kinds = [one, two, three, mirrored];
-    std::array::from_fn(|point| turned(kinds[point / 3], point % 3))
+    let orbits = [one, two, three, mirrored];
+    std::array::from_fn(|point| turned(orbits[point / 3], point % 3))
 }
 
 impl Sample {

@@ -116,8 +116,8 @@ fn wanted(cloud: &Cloud, triangles: &[[Corner; 3]], grading: &Grading) -> Vec<Ve
         triangles.iter().filter_map(|triangle| candidate(cloud, triangle, grading)).collect();
     candidates.sort_by(|one, two| two.0.total_cmp(&one.0));
     let edge = candidates.iter().map(|candidate| candidate.1).fold(0.0, f64::max);
-    let mut neighbourhood = Crowd { domain: &cloud.domain, edge, cells: HashMap::new() };
-    candidates.into_iter().filter_map(|(_, radius, center)| neighbourhood.admit(center, 0.9 * radius).then_some(center)).collect()
+    let mut nearby = NearbyPoints { domain: &cloud.domain, edge, cells: HashMap::new() };
+    candidates.into_iter().filter_map(|(_, radius, center)| nearby.admit(center, 0.9 * radius).then_some(center)).collect()
 }
 
 /// How bad a triangle is, the radius of its circumcircle, and the circumcentre; nothing if it is good or there is no room.
@@ -147,14 +147,14 @@ fn circumcircle(points: &[Vector2<f64>; 3]) -> Option<(Vector2<f64>, f64)> {
 }
 
 /// New vertices by cells of a lattice, to see who is near.
-struct Crowd<'a> {
+struct NearbyPoints<'a> {
     domain: &'a Domain<2>,
     /// Edge of a cell, no shorter than any distance asked for.
     edge: f64,
     cells: HashMap<[i64; 2], Vec<Vector2<f64>>>,
 }
 
-impl Crowd<'_> {
+impl NearbyPoints<'_> {
     /// Takes in a point if none is nearer than a distance.
     fn admit(&mut self, point: Vector2<f64>, distance: f64) -> bool {
         let cell = |point: Vector2<f64>| [(point.x / self.edge).floor() as i64, (point.y / self.edge).floor() as i64];

@@ -9,7 +9,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Rigid, Sample, Triangle};
+use super::{PlaneTwist, Sample, Triangle};
 
 /// What fluid and disks bring into a step, per unit viscosity.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ pub struct DiskInertia {
     /// Moment of inertia.
     pub moment: f64,
     /// What earlier motions add to the rate of change of the motion.
-    pub history: Rigid,
+    pub history: PlaneTwist,
 }
 
 /// Rate of change of momentum at a point, per area and unit viscosity: a sum over the velocities of the nodes of a triangle, and a known part.

@@ -40,14 +40,14 @@ pub struct Mesh {
 }
 
 /// The edge between two vertices: the smaller first, then the image of the other as seen from it.
-type Edge = (usize, usize, [i32; 2]);
+type EdgeKey = (usize, usize, [i32; 2]);
 
-fn edge(one: Corner, two: Corner) -> Edge {
+fn edge(one: Corner, two: Corner) -> EdgeKey {
     let (one, two) = if one.0 < two.0 { (one, two) } else { (two, one) };
     (one.0, two.0, [two.1[0] - one.1[0], two.1[1] - one.1[1]])
 }
 
-fn edges(triangle: &[Corner; 3]) -> [Edge; 3] {
+fn edges(triangle: &[Corner; 3]) -> [EdgeKey; 3] {
     [0, 1, 2].map(|corner| edge(triangle[corner], triangle[(corner + 1) % 3]))
 }
 
@@ -57,13 +57,13 @@ impl Mesh {
     /// # Errors
     /// [`Error::Refused`] when the triangles do not fit box and disks.
     pub fn new(cloud: Cloud, triangles: &[[Corner; 3]]) -> Result<Mesh> {
-        let mut sides: HashMap<Edge, usize> = HashMap::new();
+        let mut sides: HashMap<EdgeKey, usize> = HashMap::new();
         triangles.iter().flat_map(edges).for_each(|edge| *sides.entry(edge).or_default() += 1);
         check_edges(&cloud, triangles, &sides)?;
         let disks = cloud.disks.iter().map(|disk| Ball { center: cloud.domain.wrap(disk.center), radius: disk.radius }).collect();
         let vertices = cloud.points.len();
         let mut mesh = Mesh { domain: cloud.domain, disks, nodes: cloud.points, places: cloud.places, vertices, triangles: Vec::new() };
-        let mut middles: HashMap<Edge, usize> = HashMap::new();
+        let mut middles: HashMap<EdgeKey, usize> = HashMap::new();
         for triangle in triangles {
             let mut made = Triangle { nodes: [0; 6], images: [[0; 2]; 6] };
             for (side, edge) in edges(triangle).into_iter().enumerate() {
@@ -80,7 +80,7 @@ impl Mesh {
     }
 
     /// Adds the node in the middle of an edge, which lies on a surface or a wall if only one triangle has it.
-    fn add_middle(&mut self, (one, two, _): Edge, outer: bool) -> usize {
+    fn add_middle(&mut self, (one, two, _): EdgeKey, outer: bool) -> usize {
         let place = match (self.places[one], self.places[two]) {
             (Place::Surface(disk), _) if outer => Place::Surface(disk),
             (Place::Wall(one), Place::Wall(two)) if outer => Place::Wall([0, 1].map(|axis| one[axis].filter(|_| one[axis] == two[axis]))),
@@ -172,12 +172,12 @@ fn misfit(what: &str) -> Error {
 }
 
 /// Each edge must have two triangles, or one if it lies on a surface or a wall; each vertex there begins one such edge.
-fn check_edges(cloud: &Cloud, triangles: &[[Corner; 3]], sides: &HashMap<Edge, usize>) -> Result<()> {
+fn check_edges(cloud: &Cloud, triangles: &[[Corner; 3]], sides: &HashMap<EdgeKey, usize>) -> Result<()> {
     let distinct = |[one, two, three]: &[Corner; 3]| one.0 != two.0 && two.0 != three.0 && three.0 != one.0;
     if !triangles.iter().all(distinct) {
         return Err(misfit("a triangle reaches around the box"));
     }
-    let on_boundary = |&(one, two, image): &Edge| match (cloud.places[one], cloud.places[two]) {
+    let on_boundary = |&(one, two, image): &EdgeKey| match (cloud.places[one], cloud.places[two]) {
         (Place::Surface(one_disk), Place::Surface(two_disk)) => {
             let centers = [(one, [0, 0]), (two, image)].map(|corner| cloud.center_seen_from(one_disk, &cloud.position(corner)));
             one_disk == two_disk && (centers[0] - centers[1]).norm() < cloud.disks[one_disk].radius
@@ -185,7 +185,7 @@ fn check_edges(cloud: &Cloud, triangles: &[[Corner; 3]], sides: &HashMap<Edge, u
         (Place::Wall(one), Place::Wall(two)) => (0..2).any(|axis| one[axis].is_some() && one[axis] == two[axis]),
         _ => false,
     };
-    let outer: Vec<&Edge> = sides.iter().filter(|(_, count)| **count == 1).map(|(edge, _)| edge).collect();
+    let outer: Vec<&EdgeKey> = sides.iter().filter(|(_, count)| **count == 1).map(|(edge, _)| edge).collect();
     let wanted = cloud.places.iter().filter(|place| **place != Place::Fluid).count();
     if sides.values().any(|&count| count > 2) || outer.len() != wanted || !outer.into_iter().all(on_boundary) {
         return Err(misfit("its edges do not follow the surfaces"));

@@ -32,6 +32,6 @@ pub use moving::MovingMesh;
 pub use numbering::StokesNumbering;
 pub use problem::{DiskMotion, StokesFlow, StokesProblem};
 pub use projection::{Momentum, Projection};
-pub use rigid::Rigid;
+pub use rigid::PlaneTwist;
 pub use scalar::ScalarNumbering;
 pub use system::System;

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector2;
 
-use super::{DiskMotion, Mesh, Place, Rigid, StokesFlow, StokesProblem};
+use super::{DiskMotion, Mesh, Place, PlaneTwist, StokesFlow, StokesProblem};
 
 /// A velocity component of a node, as unknowns with factors and what is known.
 #[derive(Clone, Copy)]
@@ -113,9 +113,9 @@ impl StokesNumbering {
         };
         let velocity = |node: usize| Vector2::from(self.velocity(problem, node).each_ref().map(value));
         let rigid = |(disk, motion): (usize, &DiskMotion)| match (self.disks[disk], motion) {
-            (Some(first), _) => Rigid { velocity: Vector2::new(found[first], found[first + 1]), spin: found[first + 2] },
+            (Some(first), _) => PlaneTwist { velocity: Vector2::new(found[first], found[first + 1]), spin: found[first + 2] },
             (None, DiskMotion::Given(rigid)) => *rigid,
-            (None, _) => Rigid { velocity: Vector2::zeros(), spin: 0.0 },
+            (None, _) => PlaneTwist { velocity: Vector2::zeros(), spin: 0.0 },
         };
         let pressures = (0..problem.mesh.vertices).map(|vertex| self.pressure(vertex).map_or(0.0, |unknown| found[unknown]));
         StokesFlow {

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Acceleration, Mesh, MeshInertia, Rigid, Sample, Triangle};
+use super::{Acceleration, Mesh, MeshInertia, PlaneTwist, Sample, Triangle};
 
 /// What decides the motion of a disk.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub enum DiskMotion {
         torque: f64,
     },
     /// The motion is given.
-    Given(Rigid),
+    Given(PlaneTwist),
 }
 
 /// What is solved on a mesh, per unit viscosity.
@@ -51,7 +51,7 @@ pub struct StokesFlow {
     /// Pressures at vertices, zero at the first one.
     pub pressures: Vec<f64>,
     /// Motions of the disks.
-    pub motions: Vec<Rigid>,
+    pub motions: Vec<PlaneTwist>,
     /// The uniform force per area that mean velocities take.
     pub force: Vector2<f64>,
 }

@@ -175,13 +175,13 @@ mod tests {
     fn every_cell_belongs_to_the_block_of_its_owner() {
         for ranks in [1, 2, 3, 5, 6, 7, 12] {
             let partition = Partition::new([14, 17, 15], ranks).unwrap();
-            let mut seen = 0;
+            let mut covered = 0;
             for rank in 0..ranks {
                 let block = partition.block(rank);
-                seen += block.len();
+                covered += block.len();
                 assert!(block.indices().all(|cell| partition.owner(cell) == rank));
             }
-            assert_eq!(seen, 14 * 17 * 15);
+            assert_eq!(covered, 14 * 17 * 15);
         }
     }
 

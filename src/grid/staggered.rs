@@ -97,13 +97,13 @@ impl<const D: usize> Grid<D> {
     }
 
     /// The cells along x by which the frames of the points of a component move in an interval: for each index along y in the box.
-    pub fn frame_ways(&self, component: usize, interval: f64) -> Vec<isize> {
-        let way = |row: usize| {
+    pub fn frame_shifts(&self, component: usize, interval: f64) -> Vec<isize> {
+        let shift = |row: usize| {
             let mut index = [0; D];
             index[1] = row as isize;
             (self.frame_velocity(&self.position(component, index))[0] * interval / self.spacing[0]).round() as isize
         };
-        (0..self.cells[1]).map(way).collect()
+        (0..self.cells[1]).map(shift).collect()
     }
 
     /// The box.

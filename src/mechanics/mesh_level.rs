@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use crate::fitted::{Mesh, Rigid, StokesFlow};
+use crate::fitted::{Mesh, PlaneTwist, StokesFlow};
 
 /// A flow on a mesh at one time.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,7 +12,7 @@ pub struct MeshLevel {
     /// Centres of the disks, not wrapped into the box.
     pub centers: Vec<Vector2<f64>>,
     /// Motions of the disks.
-    pub motions: Vec<Rigid>,
+    pub motions: Vec<PlaneTwist>,
     /// Where the nodes of the mesh are.
     pub nodes: Vec<Vector2<f64>>,
     /// Velocities there.

@@ -23,9 +23,9 @@ const BODY_BYTES: f64 = 500.0;
 /// Part of space that the densest packing of equal disks fills, `pi / sqrt(12)`, and of equal spheres, `pi / sqrt(18)`.
 const DENSEST: [f64; 2] = [0.906_899_7, 0.740_480_5];
 
-/// What a search for random places never fills with as many equal disks or spheres as a crowd has: it stops at 0.87 and at 0.645.
+/// What a search for random places never fills with `MANY` equal disks or spheres: it stops at 0.87 and at 0.645.
 const RANDOM: [f64; 2] = [0.88, 0.66];
-const CROWD: f64 = 500.0;
+const MANY: f64 = 500.0;
 
 /// Refuses bodies that cannot fit, or not be placed in the memory of this machine, and grids too coarse or too fine.
 ///
@@ -185,10 +185,10 @@ fn check_filling<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(us
     };
     let alike = |first: &BodyGroup, other: &BodyGroup| first.radius == other.radius && first.sizes.is_none() && other.sizes.is_none();
     let equal = given.is_empty() && random().all(|(bodies, _)| random().next().is_some_and(|(first, _)| alike(first, bodies)));
-    let neighbourhood = counts.iter().sum::<f64>() >= CROWD;
+    let many = counts.iter().sum::<f64>() >= MANY;
     let most = if !equal {
         1.0
-    } else if neighbourhood {
+    } else if many {
         RANDOM[D - 2]
     } else {
         DENSEST[D - 2]

@@ -99,9 +99,9 @@ pub struct State<const D: usize> {
     /// The bodies.
     pub bodies: Vec<Moving<D>>,
     /// Contacts of these bodies that bore a force; bodies are named by their numbers.
-    pub held: Vec<ContactHistory<D>>,
+    pub contact_history: Vec<ContactHistory<D>>,
     /// Contacts of these bodies that stick; none unless contacts are gluey.
-    pub stuck: Vec<AdhesiveContact<D>>,
+    pub adhesive_contacts: Vec<AdhesiveContact<D>>,
     /// Velocities that carried these bodies over the last step, by which the next one tells how far it erred; none but in Stokes flow.
     pub carried: Vec<SVector<f64, D>>,
 }
@@ -173,8 +173,8 @@ impl<const D: usize> State<D> {
             shear: FoundShear::default(),
             share: Share::Whole,
             bodies,
-            held: Vec::new(),
-            stuck: Vec::new(),
+            contact_history: Vec::new(),
+            adhesive_contacts: Vec::new(),
             carried: Vec::new(),
         }
     }
@@ -212,18 +212,18 @@ impl<const D: usize> State<D> {
     }
 
     /// Whether a contact of a body is this rank's to tell: of two ranks that know it, that of the first body.
-    pub fn tells(&self, body: usize) -> bool {
+    pub fn reports(&self, body: usize) -> bool {
         self.place(body).is_some()
     }
 
     /// The contacts that bore a force and that this rank tells of.
-    pub fn told(&self) -> impl Iterator<Item = &ContactHistory<D>> {
-        self.held.iter().filter(|held| self.tells(held.body))
+    pub fn reported(&self) -> impl Iterator<Item = &ContactHistory<D>> {
+        self.contact_history.iter().filter(|contact| self.reports(contact.body))
     }
 
     /// The contacts that stick and that this rank tells of.
-    pub fn told_stuck(&self) -> impl Iterator<Item = &AdhesiveContact<D>> {
-        self.stuck.iter().filter(|stuck| self.tells(stuck.body))
+    pub fn reported_adhesive_contacts(&self) -> impl Iterator<Item = &AdhesiveContact<D>> {
+        self.adhesive_contacts.iter().filter(|contact| self.reports(contact.body))
     }
 
     /// The ranks that have parts of this state: none but this one where each has all of it.
@@ -238,39 +238,39 @@ impl<const D: usize> State<D> {
     }
 
     /// The contacts of all ranks that bore a force, on every rank. Collective.
-    pub fn all_held(&self, world: &World) -> Vec<ContactHistory<D>> {
+    pub fn whole_contact_history(&self, world: &World) -> Vec<ContactHistory<D>> {
         if self.share == Share::Whole {
-            return self.told().copied().collect();
+            return self.reported().copied().collect();
         }
-        let numbers: Vec<f64> = self.told().flat_map(ContactHistory::pack).collect();
+        let numbers: Vec<f64> = self.reported().flat_map(ContactHistory::pack).collect();
         let mut all: Vec<_> = world.gather(&numbers).chunks(ContactHistory::<D>::LENGTH).map(ContactHistory::unpack).collect();
         all.sort_unstable_by_key(ContactHistory::identity);
         all
     }
 
     /// The contacts of all ranks that stick, each with its memory, on every rank. Collective.
-    pub fn all_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        let told = self.told_stuck().map(|stuck| (stuck.identity(), stuck.gamma));
+    pub fn whole_adhesive_contacts(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        let reported = self.reported_adhesive_contacts().map(|contact| (contact.identity(), contact.gamma));
         if self.share == Share::Whole {
-            return told.collect();
+            return reported.collect();
         }
-        let numbers: Vec<f64> = told.flat_map(|(identity, number)| pack(identity, number)).collect();
+        let numbers: Vec<f64> = reported.flat_map(|(identity, number)| pack(identity, number)).collect();
         let mut all: Vec<(Identity<D>, f64)> = world.gather(&numbers).chunks(packed_length::<D>()).map(unpack).collect();
         all.sort_unstable_by_key(|(identity, _)| *identity);
         all
     }
 
     /// The contacts that bore a force, of the bodies that this rank writes of, in order: all ranks together write of each contact once.
-    pub fn written_held(&self, world: &World) -> Vec<ContactHistory<D>> {
-        let mut ours: Vec<_> = self.held.iter().filter(|held| self.writes(world, held.body)).copied().collect();
+    pub fn written_contact_history(&self, world: &World) -> Vec<ContactHistory<D>> {
+        let mut ours: Vec<_> = self.contact_history.iter().filter(|contact| self.writes(world, contact.body)).copied().collect();
         ours.sort_unstable_by_key(ContactHistory::identity);
         ours
     }
 
     /// The contacts that stick, each with its memory, in the same way.
-    pub fn written_stuck(&self, world: &World) -> Vec<(Identity<D>, f64)> {
-        let ours = self.stuck.iter().filter(|stuck| self.writes(world, stuck.body));
-        let mut ours: Vec<_> = ours.map(|stuck| (stuck.identity(), stuck.gamma)).collect();
+    pub fn written_adhesive_contacts(&self, world: &World) -> Vec<(Identity<D>, f64)> {
+        let ours = self.adhesive_contacts.iter().filter(|contact| self.writes(world, contact.body));
+        let mut ours: Vec<_> = ours.map(|contact| (contact.identity(), contact.gamma)).collect();
         ours.sort_unstable_by_key(|(identity, _)| *identity);
         ours
     }
@@ -292,7 +292,7 @@ impl<const D: usize> State<D> {
 
     /// The contact forces of the last step.
     pub fn memory(&self) -> Memory<D> {
-        self.held.iter().map(|held| ((held.body, held.partner, held.image), held.force)).collect()
+        self.contact_history.iter().map(|contact| ((contact.body, contact.partner, contact.image), contact.force)).collect()
     }
 
     /// Puts bodies, named by their numbers, where their given motions have them.

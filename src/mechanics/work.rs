@@ -51,7 +51,7 @@ pub struct SolvedUnknowns {
 }
 
 /// Work space. The solver's vectors hold, on each rank, a fluid part (unless the fluid is eliminated), multipliers, and on
-/// rank 0 the unknowns of the mean-flow constraint, then those of the rank's own links.
+/// rank 0 the unknowns of the mean-flow constraint, then those of the rank's own pair constraints.
 pub struct WorkVectors {
     /// Unknowns of the fluid; where it is eliminated, its rows are turned into them in place. Empty from the end of a solve, which gives it away, to the next one.
     pub fluid_in: Vector,
@@ -76,7 +76,7 @@ pub struct Sizes {
     pub multipliers: usize,
     /// Of the mean-flow constraint, on all ranks alike, though only rank 0 holds them.
     pub mean_flow: usize,
-    /// Places for links that belong to this rank.
+    /// Places for pair constraints that belong to this rank.
     pub constraints: usize,
 }
 
@@ -107,7 +107,7 @@ impl WorkVectors {
     }
 
     /// Takes a solver's vector apart into `fluid_in`, `multipliers_in` and the global unknowns: those of the mean-flow constraint, which all ranks
-    /// then know, and those of the links.
+    /// then know, and those of the pair constraints.
     pub fn split(&mut self, world: &World, input: &Vector) -> Result<Vec<f64>> {
         let input = input.local()?;
         let (fluid, rest) = input.split_at(self.sizes.fluid);

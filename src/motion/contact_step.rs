@@ -51,8 +51,8 @@ impl<const D: usize> ContactStep<'_, D> {
         let problem =
             Problem { domain, numbers: None, balls, weights, velocities, step: self.step, lower_bounds: &lower_bounds, cluster_of };
         let mut projection = contact::project(self.session.world(), &problem, self.session.into())?;
-        projection.forces.iter_mut().for_each(|pressed| pressed.force /= self.mobile_part(&pressed.contact));
-        projection.kkt_report.total_force = projection.forces.iter().map(|pressed| pressed.force).sum();
+        projection.forces.iter_mut().for_each(|active| active.force /= self.mobile_part(&active.contact));
+        projection.kkt_report.total_force = projection.forces.iter().map(|active| active.force).sum();
         Ok(projection)
     }
 
@@ -72,10 +72,10 @@ impl<const D: usize> ContactStep<'_, D> {
     pub fn without_contacts<'b>(
         &self,
         mut velocities: Vec<SVector<f64, D>>,
-        pressed: impl IntoIterator<Item = &'b ContactForce<D>>,
+        active_contacts: impl IntoIterator<Item = &'b ContactForce<D>>,
     ) -> Vec<SVector<f64, D>> {
         let weights = self.arrangement.weights;
-        for ContactForce { contact, force, .. } in pressed {
+        for ContactForce { contact, force, .. } in active_contacts {
             let push = contact.normal * (*force * self.mobile_part(contact));
             velocities[contact.body] += push / weights[contact.body];
             if let Some(other) = contact.other() {
@@ -87,27 +87,32 @@ impl<const D: usize> ContactStep<'_, D> {
 
     /// Those of the contact forces of the last step that press now if bodies want to go on with these velocities. With films, which slow bodies
     /// down as gaps close, those that pressed then.
-    pub fn expected(&self, held: &[ContactHistory<D>], velocities: Vec<SVector<f64, D>>, reach: f64) -> Result<Vec<ContactForce<D>>> {
-        let forces: HashMap<_, f64> = held.iter().map(|held| (held.identity(), held.force)).collect();
-        let pressed = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce::normal(contact, force));
-        let mut held: Vec<ContactForce<D>> = self.arrangement.near(reach).into_iter().filter_map(pressed).collect();
+    pub fn expected(
+        &self,
+        contact_history: &[ContactHistory<D>],
+        velocities: Vec<SVector<f64, D>>,
+        reach: f64,
+    ) -> Result<Vec<ContactForce<D>>> {
+        let forces: HashMap<_, f64> = contact_history.iter().map(|contact| (contact.identity(), contact.force)).collect();
+        let again = |contact: Contact<D>| forces.get(&contact.identity()).map(|&force| ContactForce::normal(contact, force));
+        let mut expected: Vec<ContactForce<D>> = self.arrangement.near(reach).into_iter().filter_map(again).collect();
         if self.flow.setup().interactions.resist() {
-            held.retain(|held| held.force > (1.0 - SMALLEST_FORCE) * self.least(&held.contact));
-            return Ok(held);
+            expected.retain(|expected| expected.force > (1.0 - SMALLEST_FORCE) * self.least(&expected.contact));
+            return Ok(expected);
         }
-        let unpressed = self.without_contacts(velocities, &held);
+        let unpressed = self.without_contacts(velocities, &expected);
         Ok(self.closed(self.project(&unpressed, &[])?))
     }
 
     /// The contacts of a projection that are held closed: they bear more than the least force that they may.
     pub fn closed(&self, mut projection: Projection<D>) -> Vec<ContactForce<D>> {
-        projection.forces.retain(|pressed| pressed.force > (1.0 - SMALLEST_FORCE) * self.least(&pressed.contact));
+        projection.forces.retain(|active| active.force > (1.0 - SMALLEST_FORCE) * self.least(&active.contact));
         projection.forces
     }
 
     /// The contacts that stick but are not held: they pull as they let go.
-    pub fn loose(&self, pressed: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
-        let held: HashSet<Identity<D>> = pressed.iter().map(|pressed| pressed.contact.identity()).collect();
+    pub fn loose(&self, active_contacts: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
+        let held: HashSet<Identity<D>> = active_contacts.iter().map(|active| active.contact.identity()).collect();
         self.bounds.iter().filter(|bound| !held.contains(&bound.contact.identity())).copied().collect()
     }
 
@@ -115,30 +120,30 @@ impl<const D: usize> ContactStep<'_, D> {
     /// that differ by less than `slack` are the same.
     pub fn with_one_changed(
         &self,
-        mut pressed: Vec<ContactForce<D>>,
+        mut active_contacts: Vec<ContactForce<D>>,
         velocities: &[SVector<f64, D>],
         fastest: f64,
         slack: f64,
     ) -> Vec<ContactForce<D>> {
         let places: HashMap<Identity<D>, usize> =
-            pressed.iter().enumerate().map(|(place, pressed)| (pressed.contact.identity(), place)).collect();
+            active_contacts.iter().enumerate().map(|(place, active)| (active.contact.identity(), place)).collect();
         let cluster_of = self.flow.setup().interactions.cluster_of();
         for contact in
             self.arrangement.near(2.0 * fastest * self.step).into_iter().filter(|contact| !contact.within_cluster(cluster_of, |body| body))
         {
             match places.get(&contact.identity()).copied() {
-                Some(place) if pressed[place].force < self.least(&contact) - slack * self.softest(&contact) => {
-                    pressed.remove(place);
-                    return pressed;
+                Some(place) if active_contacts[place].force < self.least(&contact) - slack * self.softest(&contact) => {
+                    active_contacts.remove(place);
+                    return active_contacts;
                 }
                 None if contact.opening(velocities) < -contact.gap / self.step - slack => {
-                    pressed.push(ContactForce::normal(contact, 0.0));
-                    return pressed;
+                    active_contacts.push(ContactForce::normal(contact, 0.0));
+                    return active_contacts;
                 }
                 _ => {}
             }
         }
-        pressed
+        active_contacts
     }
 
     /// The least force that a contact may bear.
@@ -163,7 +168,7 @@ impl<const D: usize> ContactStep<'_, D> {
 
 /// Who touches whom, in order.
 pub fn identities<const D: usize>(contacts: &[ContactForce<D>]) -> Vec<Identity<D>> {
-    let mut identities: Vec<_> = contacts.iter().map(|pressed| pressed.contact.identity()).collect();
+    let mut identities: Vec<_> = contacts.iter().map(|active| active.contact.identity()).collect();
     identities.sort_unstable();
     identities
 }

@@ -32,7 +32,7 @@ pub(super) struct ShearOfStep {
 
 /// A rate that was tried, and the stress that goes with it.
 #[derive(Debug, Clone, Copy)]
-struct Trial {
+struct RateTrial {
     rate: f64,
     stress: f64,
 }
@@ -41,9 +41,9 @@ struct Trial {
 #[derive(Debug, Clone, Copy)]
 struct Search {
     wanted: f64,
-    last: Option<Trial>,
+    last: Option<RateTrial>,
     /// The fastest that bears too little, and the slowest that bears too much.
-    bracket: [Option<Trial>; 2],
+    bracket: [Option<RateTrial>; 2],
 }
 
 impl Search {
@@ -52,7 +52,7 @@ impl Search {
     }
 
     /// The rate to try after one: on the line through it and the one before, or else through nothing at rest; halfway where that is known to be wrong.
-    fn next(&mut self, now: Trial) -> f64 {
+    fn next(&mut self, now: RateTrial) -> f64 {
         self.bracket[usize::from(now.stress > self.wanted)] = Some(now);
         let secant = self.last.replace(now).and_then(|before| now.towards(before, self.wanted));
         let rate = secant.unwrap_or_else(|| now.in_proportion(self.wanted));
@@ -63,9 +63,9 @@ impl Search {
     }
 }
 
-impl Trial {
+impl RateTrial {
     /// Where the line through this and another trial has a stress, if that is near.
-    fn towards(self, other: Trial, wanted: f64) -> Option<f64> {
+    fn towards(self, other: RateTrial, wanted: f64) -> Option<f64> {
         let slope = (self.stress - other.stress) / (self.rate - other.rate);
         let rate = self.rate + (wanted - self.stress) / slope;
         (slope.is_finite() && slope > 0.0 && rate > 0.1 * self.rate && rate < 10.0 * self.rate).then_some(rate)
@@ -98,7 +98,7 @@ impl<const D: usize> QuasiStatic<D> {
                 return Ok(agreed);
             }
             step = agreed.step_size.natural;
-            rate = search.next(Trial { rate, stress: found });
+            rate = search.next(RateTrial { rate, stress: found });
             if rate < STOPPED * unit.abs() {
                 let text =
                     format!("at time {} nothing flows at flow.drive.shear_stress = {stress}: bodies are jammed; raise it", state.time);
@@ -140,7 +140,7 @@ mod tests {
         let (mut rates, mut search) = (vec![1.0], Search::new(wanted));
         loop {
             let rate = *rates.last().unwrap();
-            let now = Trial { rate, stress: stress_of(rate) };
+            let now = RateTrial { rate, stress: stress_of(rate) };
             if (now.stress - wanted).abs() < 1e-3 * wanted || rates.len() > 30 {
                 return rates;
             }

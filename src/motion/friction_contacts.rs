@@ -55,9 +55,9 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Vec<Contact<D>>> {
         let known: HashSet<Identity<D>> = known.contacts.iter().map(Contact::identity).collect();
         let projection = self.contact_step(&instant.placed, step).project(&velocities(twists), &[])?;
-        let pressed = projection.forces.into_iter().filter(|pressed| pressed.force > 0.0).map(|pressed| pressed.contact);
+        let active_contacts = projection.forces.into_iter().filter(|active| active.force > 0.0).map(|active| active.contact);
         let untied = self.untied(instant, step);
-        Ok(pressed.filter(|contact| !known.contains(&contact.identity()) && untied(contact)).collect())
+        Ok(active_contacts.filter(|contact| !known.contains(&contact.identity()) && untied(contact)).collect())
     }
 
     /// Tells whether nothing else holds the bodies of a contact at their distance over a step: neither welds nor stiff springs.
@@ -90,12 +90,12 @@ pub(super) fn contact_again<const D: usize>(placed: &Placed<D>, identity: Identi
 
 /// What contacts did in the last step.
 pub(super) fn wrenches_of<const D: usize>(placed: &Placed<D>) -> Wrenches<D> {
-    let wrench = |held: &ContactHistory<D>| {
-        let normal = contact_again(placed, held.identity()).normal;
-        let force = normal * (held.force - normal.dot(&held.tangential)) + held.tangential;
-        ContactWrench { force, couple: held.couple }
+    let wrench = |contact: &ContactHistory<D>| {
+        let normal = contact_again(placed, contact.identity()).normal;
+        let force = normal * (contact.force - normal.dot(&contact.tangential)) + contact.tangential;
+        ContactWrench { force, couple: contact.couple }
     };
-    placed.state.held.iter().map(|held| (held.identity(), wrench(held))).collect()
+    placed.state.contact_history.iter().map(|contact| (contact.identity(), wrench(contact))).collect()
 }
 
 /// What contacts do, nothing where none is known.

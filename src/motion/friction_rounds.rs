@@ -13,7 +13,7 @@ use super::{
 use crate::{
     body::{Row, Twist},
     contact::{Contact, ContactForce, ContactWrench, FlowContacts, FrictionReport, HeldContact, ImmersedBodies},
-    error::Result,
+    error::{Error, Result},
     interaction::Spring,
     mechanics::{ResidualMonitor, Solution},
     petsc::{Stage, enter},
@@ -47,6 +47,9 @@ struct FirstFlow<const D: usize> {
     wrenches: Wrenches<D>,
     step_size: StepSize,
 }
+
+/// A flow, how bodies move in it, and the wrench of each contact on its partner.
+type FrictionFlow<const D: usize> = (Solution<D>, Vec<Twist<D>>, Vec<ContactWrench<D>>);
 
 /// Where the rounds of an instant stand.
 struct Rounds<'a, const D: usize, const W: usize> {
@@ -93,6 +96,28 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
             }
         }
         Agreed { solution, twists, contacts, friction: Some(self.contacts.report()), step_size }
+    }
+
+    /// What ends rounds that go on for too long: the best that they have agreed on, if it is acceptable, or that bodies are jammed.
+    fn out_of_patience(
+        &self,
+        instant: &KnownInstant<D>,
+        (round, step, residual): (usize, f64, f64),
+        best: &mut Option<Agreed<D>>,
+        agreed: impl FnOnce() -> Agreed<D>,
+    ) -> Result<Option<Agreed<D>>> {
+        if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < missed_by(best)) {
+            *best = Some(agreed());
+        }
+        if round >= PATIENCE
+            && let Some(best) = best.take()
+        {
+            return Ok(Some(best));
+        }
+        if round == PATIENCE && self.contacts.is_jammed() == Some(true) {
+            return Err(jammed(instant, step));
+        }
+        Ok(None)
     }
 
     /// Goes on to the next states.
@@ -151,23 +176,37 @@ impl<const D: usize> QuasiStatic<D> {
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
         let placed = &instant.placed;
-        let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
         let FirstFlow { mut solution, mut twists, wrenches, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
         let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
         let (network, surfaces) = (self.network(instant, step), instant.interactions.surfaces());
         let immersed = ImmersedBodies { domain: &placed.domain, balls: &placed.touching, resistance: &network, surfaces: &surfaces, step };
-        let mut rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &wrenches), &wrenches);
+        let rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &wrenches), &wrenches);
         let mut wrenches = wrenches_at(&rounds.contacts, &wrenches);
         if begins_on_springs(instant) {
             // of springs the step is a part
             (solution, twists, wrenches) =
                 self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
         }
-        let mut best: Option<Agreed<D>> = None;
+        self.rounds_with_friction(instant, (immersed, rounds), (solution, twists, wrenches), step_size, effort, monitor)
+    }
+
+    /// Rounds of contacts and flow, from a flow with the wrenches of its contacts, until the law of friction is kept.
+    fn rounds_with_friction<'a, const W: usize>(
+        &mut self,
+        instant: &KnownInstant<D>,
+        (immersed, mut rounds): (ImmersedBodies<'a, D>, Rounds<'a, D, W>),
+        (mut solution, mut twists, mut wrenches): FrictionFlow<D>,
+        step_size: StepSize,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Agreed<D>> {
+        let (state, step) = (instant.placed.state, immersed.step);
+        let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
+        let mut best = None;
         for round in 0..MOST_ROUNDS {
             let start = Instant::now();
             let mut residual = rounds.contacts.take(&wrenches, &twists);
-            if round == 0 && !instant.springs.is_empty() && step != placed.state.last_step {
+            if round == 0 && !instant.springs.is_empty() && step != state.last_step {
                 rounds.contacts.forget();
             }
             if residual <= agreement {
@@ -179,25 +218,17 @@ impl<const D: usize> QuasiStatic<D> {
                 rounds = rounds.with(immersed, missing, &mut wrenches);
                 residual = rounds.contacts.take(&wrenches, &twists);
             }
-            if residual <= ACCEPTABLE && best.as_ref().is_none_or(|best| residual < missed_by(best)) {
-                best = Some(rounds.agreed(instant, (solution, twists), &wrenches, step_size));
-            }
-            if round >= PATIENCE
-                && let Some(best) = best.take()
-            {
+            let agreed = || rounds.agreed(instant, (solution, twists), &wrenches, step_size);
+            if let Some(best) = rounds.out_of_patience(instant, (round, step, residual), &mut best, agreed)? {
                 return Ok(best);
-            }
-            if round == PATIENCE && rounds.contacts.is_jammed() == Some(true) {
-                return Err(jammed(instant, step));
             }
             rounds.next();
             effort.contact += start.elapsed().as_secs_f64();
-            self.stop.heed(self.session.world(), placed.state.time)?;
+            self.stop.heed(self.session.world(), state.time)?;
             let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(agreement * rounds.tightest()));
             (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
         }
-        let residual = rounds.contacts.take(&wrenches, &twists);
-        Err(disagreement(placed.state.time, step, &format!("the law of friction is missed by {residual:.1e}")))
+        Err(law_missed(state.time, step, rounds.contacts.take(&wrenches, &twists)))
     }
 
     /// The flow with which a step begins: with the contacts of the last one, if there are any, held as they were.
@@ -232,7 +263,7 @@ impl<const D: usize> QuasiStatic<D> {
         (step, tolerance): (f64, f64),
         effort: &mut Effort,
         monitor: ResidualMonitor,
-    ) -> Result<(Solution<D>, Vec<Twist<D>>, Vec<ContactWrench<D>>)> {
+    ) -> Result<FrictionFlow<D>> {
         let held = rounds.contacts.rows(&rounds.held);
         let (rows, guess): (Vec<Row<D>>, Vec<f64>) = held.iter().map(|held| (held.row.clone(), held.guess)).unzip();
         let rows = FlowRows { rows: &rows, guess: &guess, pushes: &instant.pushes(), step, tolerance };
@@ -248,6 +279,10 @@ impl<const D: usize> QuasiStatic<D> {
 /// Whether the first step of the run is due, and springs move in it.
 fn begins_on_springs<const D: usize>(instant: &KnownInstant<D>) -> bool {
     instant.placed.state.last_step == 0.0 && !instant.springs.is_empty()
+}
+
+fn law_missed(time: f64, step: f64, residual: f64) -> Error {
+    disagreement(time, step, &format!("the law of friction is missed by {residual:.1e}"))
 }
 
 /// By how much what was found misses the law.

@@ -10,6 +10,7 @@ use super::{
     implicit_springs::{kept_apart, pair},
     keeping_apart::largest_difference,
     quasi_static::{Agreed, FlowRows, KnownInstant, MOST_ROUNDS, Placed, QuasiStatic, disagreement, velocities},
+    step_control::StepSize,
     stepper::Effort,
 };
 use crate::{
@@ -17,7 +18,7 @@ use crate::{
     contact::ContactForce,
     error::Result,
     interaction::{Spring, Touch},
-    mechanics::ResidualMonitor,
+    mechanics::{ResidualMonitor, Solution},
 };
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,
@@ -31,6 +32,21 @@ const TIGHTEST: f64 = 1e-3;
 /// Gap, in radii, up to which a contact of the last step is tried first.
 const MEMORY_REACH: f64 = 0.1;
 
+/// Where the rounds of an instant stand.
+struct Rounds<const D: usize> {
+    /// Contacts that the flow holds closed.
+    active_contacts: Vec<ContactForce<D>>,
+    /// The step that follows, once it is known.
+    step_size: Option<StepSize>,
+    /// Length of the step over which contacts are looked at.
+    step: f64,
+    /// Tolerance of the flow.
+    tolerance: f64,
+    /// Difference between the velocities of the last round, over the largest.
+    difference: f64,
+    iteration: ActiveSetIteration<ContactForce<D>>,
+}
+
 impl<const D: usize> QuasiStatic<D> {
     /// Flow and frictionless contacts in turn.
     pub(super) fn agree_without_friction(
@@ -39,66 +55,104 @@ impl<const D: usize> QuasiStatic<D> {
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
-        let KnownInstant { placed, interactions, forces, springs, .. } = instant;
-        let (state, touch, tightest) = (placed.state, interactions.touch(), self.suspension.setup().tolerance.at_an_instant());
-        let mut tolerance = self.tolerance_of(instant);
-        let agreement = if interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
-        let mut pressed = self.expected(placed, touch)?;
-        let (mut chosen, mut step, mut difference) = (None, state.last_step, 0.0);
-        let mut rounds = ActiveSetIteration::new();
+        let state = instant.placed.state;
+        let mut rounds = Rounds {
+            active_contacts: self.expected(&instant.placed, instant.interactions.touch())?,
+            step_size: None,
+            step: state.last_step,
+            tolerance: self.tolerance_of(instant),
+            difference: 0.0,
+            iteration: ActiveSetIteration::new(),
+        };
         for round in 0..MOST_ROUNDS {
             if round > 0 {
                 self.stop.heed(self.session.world(), state.time)?;
             }
-            let tied = kept_apart(springs, &self.weights, step);
-            pressed.retain(|pressed| pressed.contact.other().is_none_or(|other| !tied.contains(&pair(pressed.contact.body, other))));
-            let loose = self.contact_step(placed, step).loose(&pressed);
-            let pushes = forces.on_bodies(instant.centers.len(), &loose);
-            let (rows, guess): (Vec<Row<D>>, Vec<f64>) = pressed.iter().map(|pressed| (pressed.contact.row(step), pressed.force)).unzip();
-            let held = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance };
-            let (mut solution, mut twists) = self.flow_with(instant, &held, effort, monitor)?;
-            let begins = step == 0.0 && !springs.is_empty();
-            let step_size = match chosen {
-                Some(step_size) => step_size,
-                None if begins => *chosen.insert(self.step_size(placed, &twists, &Spring::pulled(springs, pushes), instant.tried)?),
-                None => *chosen.insert(self.step_size(placed, &twists, &pushes, instant.tried)?),
-            };
-            if begins && step_size.natural > 0.0 {
-                // of springs the step is a part
-                step = step_size.natural;
-                continue;
+            if let Some(agreed) = self.round(instant, &mut rounds, effort, monitor)? {
+                return Ok(agreed);
             }
-            if touch != Some(Touch::Hard) {
-                return Ok(Agreed { solution, twists, contacts: forces.contacts.clone(), friction: None, step_size });
-            }
-            let start = Instant::now();
-            // not the length, which the end of the run cuts short: a run that ends later must find the same
-            step = if step_size.natural > 0.0 { step_size.natural } else { state.last_step };
-            pressed.iter_mut().zip(&solution.contact_forces).for_each(|(pressed, force)| pressed.force = *force);
-            let contacts = self.contact_step(placed, step);
-            let unpressed = contacts.without_contacts(velocities(&twists), pressed.iter().chain(&loose));
-            let held = if rounds.holds() { self.near(&pressed) } else { Vec::new() };
-            let projection = contacts.project(&unpressed, &held)?;
-            effort.contact += start.elapsed().as_secs_f64();
-            let scale = fastest(&twists, &unpressed);
-            let apart = largest_difference(&twists, &projection.velocities);
-            difference = apart / scale;
-            if difference <= agreement.max(tolerance) {
-                for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
-                    (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
-                }
-                let contacts = [&forces.contacts[..], &projection.forces].concat();
-                return Ok(Agreed { solution, twists, contacts, friction: None, step_size });
-            }
-            let projected = contacts.closed(projection);
-            if identities(&projected) == identities(&pressed) {
-                // what is left of the residual may be what they differ by
-                tolerance = (TIGHTEST * tightest).max(0.1 * tolerance);
-            }
-            let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
-            pressed = rounds.next(apart, pressed, projected, with_one_changed);
         }
-        Err(disagreement(state.time, step, &format!("velocities differ by {difference:.1e}")))
+        Err(disagreement(state.time, rounds.step, &format!("velocities differ by {:.1e}", rounds.difference)))
+    }
+
+    /// The flow with the active contacts, and the contacts next to its velocities; nothing where another round must follow.
+    fn round(
+        &mut self,
+        instant: &KnownInstant<D>,
+        rounds: &mut Rounds<D>,
+        effort: &mut Effort,
+        monitor: ResidualMonitor,
+    ) -> Result<Option<Agreed<D>>> {
+        let KnownInstant { placed, interactions, forces, springs, .. } = instant;
+        let step = rounds.step;
+        let tied = kept_apart(springs, &self.weights, step);
+        rounds
+            .active_contacts
+            .retain(|active| active.contact.other().is_none_or(|other| !tied.contains(&pair(active.contact.body, other))));
+        let loose = self.contact_step(placed, step).loose(&rounds.active_contacts);
+        let pushes = forces.on_bodies(instant.centers.len(), &loose);
+        let (rows, guess): (Vec<Row<D>>, Vec<f64>) =
+            rounds.active_contacts.iter().map(|active| (active.contact.row(step), active.force)).unzip();
+        let flow_rows = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance: rounds.tolerance };
+        let (solution, twists) = self.flow_with(instant, &flow_rows, effort, monitor)?;
+        let begins = step == 0.0 && !springs.is_empty();
+        let step_size = match rounds.step_size {
+            Some(step_size) => step_size,
+            None => {
+                let pushes = if begins { Spring::pulled(springs, pushes) } else { pushes };
+                *rounds.step_size.insert(self.step_size(placed, &twists, &pushes, instant.tried)?)
+            }
+        };
+        if begins && step_size.natural > 0.0 {
+            // of springs the step is a part
+            rounds.step = step_size.natural;
+            return Ok(None);
+        }
+        if interactions.touch() != Some(Touch::Hard) {
+            return Ok(Some(Agreed { solution, twists, contacts: forces.contacts.clone(), friction: None, step_size }));
+        }
+        // not the length, which the end of the run cuts short: a run that ends later must find the same
+        rounds.step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
+        self.compare(instant, rounds, (solution, twists), (&loose, step_size), effort)
+    }
+
+    /// The contacts next to the velocities of a flow; where these differ, those that the next round holds.
+    fn compare(
+        &self,
+        instant: &KnownInstant<D>,
+        rounds: &mut Rounds<D>,
+        (mut solution, mut twists): (Solution<D>, Vec<Twist<D>>),
+        (loose, step_size): (&[ContactForce<D>], StepSize),
+        effort: &mut Effort,
+    ) -> Result<Option<Agreed<D>>> {
+        let start = Instant::now();
+        rounds.active_contacts.iter_mut().zip(&solution.contact_forces).for_each(|(active, force)| active.force = *force);
+        let contacts = self.contact_step(&instant.placed, rounds.step);
+        let unpressed = contacts.without_contacts(velocities(&twists), rounds.active_contacts.iter().chain(loose));
+        let near_contacts = if rounds.iteration.holds() { self.near(&rounds.active_contacts) } else { Vec::new() };
+        let projection = contacts.project(&unpressed, &near_contacts)?;
+        effort.contact += start.elapsed().as_secs_f64();
+        let scale = fastest(&twists, &unpressed);
+        let apart = largest_difference(&twists, &projection.velocities);
+        rounds.difference = apart / scale;
+        let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
+        if rounds.difference <= agreement.max(rounds.tolerance) {
+            for ((twist, body), velocity) in twists.iter_mut().zip(&mut solution.bodies).zip(&projection.velocities) {
+                (twist.velocity, body.twist.velocity) = (*velocity, *velocity);
+            }
+            let contacts = [&instant.forces.contacts[..], &projection.forces].concat();
+            return Ok(Some(Agreed { solution, twists, contacts, friction: None, step_size }));
+        }
+        let projected = contacts.closed(projection);
+        if identities(&projected) == identities(&rounds.active_contacts) {
+            // what is left of the residual may be what they differ by
+            let tightest = self.suspension.setup().tolerance.at_an_instant();
+            rounds.tolerance = (TIGHTEST * tightest).max(0.1 * rounds.tolerance);
+        }
+        let with_one_changed = |tried| contacts.with_one_changed(tried, &velocities(&twists), scale, AGREEMENT * scale);
+        let tried = std::mem::take(&mut rounds.active_contacts);
+        rounds.active_contacts = rounds.iteration.next(apart, tried, projected, with_one_changed);
+        Ok(None)
     }
 
     /// The contacts that are tried first.
@@ -109,12 +163,12 @@ impl<const D: usize> QuasiStatic<D> {
         }
         let reach = MEMORY_REACH * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let velocities = state.bodies.iter().map(|body| body.twist.velocity).collect();
-        self.contact_step(placed, state.last_step).expected(&state.held, velocities, reach)
+        self.contact_step(placed, state.last_step).expected(&state.contact_history, velocities, reach)
     }
 
     /// The contacts of these whose bodies are near each other before the step.
-    fn near(&self, pressed: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
-        pressed.iter().filter(|pressed| pressed.contact.gap < MEMORY_REACH * self.radii[pressed.contact.body]).copied().collect()
+    fn near(&self, active_contacts: &[ContactForce<D>]) -> Vec<ContactForce<D>> {
+        active_contacts.iter().filter(|active| active.contact.gap < MEMORY_REACH * self.radii[active.contact.body]).copied().collect()
     }
 }
 

@@ -38,11 +38,11 @@ impl<const D: usize> QuasiStatic<D> {
         state: &State<D>,
         moves: &mut [Twist<D>],
     ) -> Result<Projection<D>> {
-        let mut pressed = contacts.project(wanted, &[])?;
-        moves.iter_mut().zip(&pressed.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
+        let mut projection = contacts.project(wanted, &[])?;
+        moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
         let interactions = &self.suspension.setup().interactions;
         if interactions.cluster_of().is_empty() {
-            return Ok(pressed);
+            return Ok(projection);
         }
         let smallest = self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         let mut clusters = ClusterMotions::nearest(interactions.clusters().iter(), state, contacts.step, moves);
@@ -55,8 +55,8 @@ impl<const D: usize> QuasiStatic<D> {
             let pushes: Vec<SVector<f64, D>> = apart.velocities.iter().zip(&*moves).map(|(apart, twist)| apart - twist.velocity).collect();
             clusters.follow(&pushes, moves);
         }
-        pressed.kkt_report.smallest_gap = contacts.smallest_gap_after(moves);
-        Ok(pressed)
+        projection.kkt_report.smallest_gap = contacts.smallest_gap_after(moves);
+        Ok(projection)
     }
 
     /// Keeps rods, areas and volumes of chains over a step, and bodies apart, in turn where bodies touch; gives the smallest gap then, if contacts are kept and

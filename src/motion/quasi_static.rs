@@ -137,7 +137,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// The same of balls in the place of bodies.
     pub(super) fn contact_step_of<'a>(&'a self, placed: &'a Placed<'a, D>, balls: &'a [Ball<D>], step: f64) -> ContactStep<'a, D> {
         let (arrangement, flow) = (self.arrangement_of(placed, balls), self.suspension.as_ref());
-        let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.stuck, step);
+        let bounds = flow.setup().interactions.lower_bounds(&arrangement, &placed.state.adhesive_contacts, step);
         let arrangement = Arrangement { weights: &self.contact_weights, ..arrangement };
         ContactStep { session: &self.session, flow, arrangement, bounds, step }
     }
@@ -199,20 +199,20 @@ impl<const D: usize> QuasiStatic<D> {
     pub(super) fn flow_with(
         &mut self,
         instant: &KnownInstant<D>,
-        held: &FlowRows<D>,
+        flow_rows: &FlowRows<D>,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<(Solution<D>, Vec<Twist<D>>)> {
         let KnownInstant { placed, centers, .. } = instant;
-        let bonds = self.bonds(instant, held.step);
+        let bonds = self.bonds(instant, flow_rows.step);
         let configuration = Configuration {
             centers,
             time: placed.state.time,
-            contacts: held.rows,
-            contact_guess: held.guess,
+            contacts: flow_rows.rows,
+            contact_guess: flow_rows.guess,
             bonds: &bonds,
-            pushes: held.pushes,
-            tolerance: held.tolerance,
+            pushes: flow_rows.pushes,
+            tolerance: flow_rows.tolerance,
         };
         let mut solution = self.suspension.solve_at(&configuration, monitor)?;
         solution.pair_stress = PairForce::total_stress(&instant.forces.pairs);
@@ -242,7 +242,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The contacts that stick after a step with these forces.
     pub(super) fn remembered(&self, placed: &Placed<D>, forces: &[ContactForce<D>], step: f64) -> Vec<AdhesiveContact<D>> {
-        self.suspension.setup().interactions.remember(&self.arrangement(placed), &placed.state.stuck, forces, step)
+        self.suspension.setup().interactions.remember(&self.arrangement(placed), &placed.state.adhesive_contacts, forces, step)
     }
 }
 
@@ -281,22 +281,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (mut placed, start) = (self.placed(state), Instant::now());
         placed.domain = placed.domain.sheared_to(state.time, state.shear.strain, shear.mean_rate).over(step);
-        let (mut stuck, mut kkt_report) = (Vec::new(), None);
-        match self.suspension.setup().interactions.touch() {
-            Some(Touch::Hard) => {
-                let contacts = self.contact_step(&placed, step);
-                let unpressed = contacts.without_contacts(velocities(&moves), &observation.contacts);
-                let projection = self.keep_apart(&contacts, &unpressed, state, &mut moves)?;
-                stuck = self.remembered(&placed, &projection.forces, step);
-                let smallest_gap = match self.suspension.setup().interactions.friction() {
-                    Some(_) => self.contact_step_of(&placed, &placed.balls, step).smallest_gap_after(&moves),
-                    None => projection.kkt_report.smallest_gap,
-                };
-                kkt_report = Some(KktReport { smallest_gap, friction: observation.friction, ..projection.kkt_report });
-            }
-            Some(Touch::Soft { .. }) => kkt_report = Some(KktReport::of_forces(&observation.contacts, &placed.balls)),
-            None => {}
-        }
+        let (adhesive_contacts, mut kkt_report) = self.keep_contacts(&placed, observation, &mut moves, step)?;
         if self.suspension.setup().interactions.touch() != Some(Touch::Hard) {
             ClusterMotions::nearest(self.suspension.setup().interactions.clusters().iter(), state, step, &moves).carry(&mut moves);
         }
@@ -309,7 +294,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             moves,
             twists: observation.twists.clone(),
             contacts: observation.contacts.clone(),
-            stuck,
+            adhesive_contacts,
             kkt_report,
             shear: shear.found,
             effort,
@@ -322,6 +307,33 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn restore(&mut self, history: History<D>) -> Result<()> {
         self.suspension.restore(history)
+    }
+}
+
+impl<const D: usize> QuasiStatic<D> {
+    /// Makes motions over a step keep hard contacts; what sticks then, and how well the law of contacts is kept.
+    fn keep_contacts(
+        &self,
+        placed: &Placed<D>,
+        observation: &Observation<D>,
+        moves: &mut [Twist<D>],
+        step: f64,
+    ) -> Result<(Vec<AdhesiveContact<D>>, Option<KktReport>)> {
+        match self.suspension.setup().interactions.touch() {
+            Some(Touch::Hard) => {
+                let contacts = self.contact_step(placed, step);
+                let unpressed = contacts.without_contacts(velocities(moves), &observation.contacts);
+                let projection = self.keep_apart(&contacts, &unpressed, placed.state, moves)?;
+                let adhesive_contacts = self.remembered(placed, &projection.forces, step);
+                let smallest_gap = match self.suspension.setup().interactions.friction() {
+                    Some(_) => self.contact_step_of(placed, &placed.balls, step).smallest_gap_after(moves),
+                    None => projection.kkt_report.smallest_gap,
+                };
+                Ok((adhesive_contacts, Some(KktReport { smallest_gap, friction: observation.friction, ..projection.kkt_report })))
+            }
+            Some(Touch::Soft { .. }) => Ok((Vec::new(), Some(KktReport::of_forces(&observation.contacts, &placed.balls)))),
+            None => Ok((Vec::new(), None)),
+        }
     }
 }
 

@@ -115,8 +115,8 @@ impl<const D: usize> Simulation<D> {
         Cow::Owned(State {
             share: Share::Whole,
             bodies: self.gathered(&state.bodies, 0..state.count()).into_iter().map(|(body, _)| body).collect(),
-            held: state.all_held(world),
-            stuck: state.all_stuck(world).into_iter().map(AdhesiveContact::from).collect(),
+            contact_history: state.whole_contact_history(world),
+            adhesive_contacts: state.whole_adhesive_contacts(world).into_iter().map(AdhesiveContact::from).collect(),
             carried: Vec::new(),
             ..*state
         })
@@ -205,7 +205,7 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// The bodies of this rank and those of these numbers, as balls by their places in a halo.
-    pub fn seen(&self, required: impl Iterator<Item = usize>) -> (Halo, Vec<Ball<D>>) {
+    pub fn halo_of(&self, required: impl Iterator<Item = usize>) -> (Halo, Vec<Ball<D>>) {
         let peers = self.state.peers(self.session.world());
         let halo = Halo::of_numbers(peers, &self.state.numbers(), required);
         let balls = halo.spread_balls(peers, &self.state.balls(self.radii()));
@@ -341,8 +341,8 @@ impl<const D: usize> Simulation<D> {
             report.smallest_gap = report.smallest_gap.min(gap);
         }
         self.state.bodies.iter_mut().zip(&travel.twists).for_each(|(body, twist)| body.twist = *twist);
-        self.state.held = travel.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
-        self.state.stuck = travel.stuck;
+        self.state.contact_history = travel.contacts.iter().filter(|active| active.force != 0.0).map(ContactHistory::of).collect();
+        self.state.adhesive_contacts = travel.adhesive_contacts;
         self.state.shear = travel.shear;
         self.state.carried = match self.suspension() {
             Some(flow) if flow.evolution().is_none() => velocities(&travel.moves),

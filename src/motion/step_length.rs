@@ -75,15 +75,15 @@ impl<const D: usize> QuasiStatic<D> {
         }
         let followed = placed.domain.error_of_rates(state.last_step);
         let bodies = self.suspension.setup().bodies.iter().zip(&self.radii);
-        let ways = state.bodies.iter().zip(twists).zip(&state.carried);
+        let rates = state.bodies.iter().zip(twists).zip(&state.carried);
         let error = |((last, now), carried): ((&Moving<D>, &Twist<D>), &SVector<f64, D>)| {
             let mut velocity = (last.twist.velocity + now.velocity) * 0.5 - carried;
             // what goes along with images does so exactly
             velocity[0] -= followed * last.center[1];
             velocity * state.last_step
         };
-        let free = bodies.zip(ways).filter(|((suspended, _), _)| suspended.body.free());
-        let errors: Vec<(SVector<f64, D>, f64)> = free.map(|((_, &radius), way)| (error(way), radius)).collect();
+        let free = bodies.zip(rates).filter(|((suspended, _), _)| suspended.body.free());
+        let errors: Vec<(SVector<f64, D>, f64)> = free.map(|((_, &radius), rates)| (error(rates), radius)).collect();
         accurate_step(&errors, state.last_step, self.step_control.time.error)
     }
 

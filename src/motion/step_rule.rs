@@ -62,8 +62,8 @@ impl<const D: usize> QuasiStatic<D> {
         let mut ahead = state.clone();
         ahead.advance(&observation.twists, half);
         ahead.bodies.iter_mut().zip(&observation.twists).for_each(|(body, twist)| body.twist = *twist);
-        ahead.held = observation.contacts.iter().map(ContactHistory::of).collect();
-        ahead.stuck = self.remembered(&self.placed(state), &observation.contacts, half);
+        ahead.contact_history = observation.contacts.iter().map(ContactHistory::of).collect();
+        ahead.adhesive_contacts = self.remembered(&self.placed(state), &observation.contacts, half);
         Ok(self.agree(&ahead, None, effort, monitor)?.twists)
     }
 }
@@ -71,8 +71,8 @@ impl<const D: usize> QuasiStatic<D> {
 /// `v + factor (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
 /// forces jump.
 fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, factor: f64, interactions: &Interactions<D>) -> Vec<Twist<D>> {
-    let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect();
-    let (before, after) = (contacts_of(&state.held, state.bodies.len()), contacts_of(&now, state.bodies.len()));
+    let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|active| active.force != 0.0).map(ContactHistory::of).collect();
+    let (before, after) = (contacts_of(&state.contact_history, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
     for cluster in interactions.clusters() {
         let any = jumps[cluster.bodies.clone()].contains(&true);
@@ -88,9 +88,9 @@ fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, fact
 }
 
 /// For each body its contacts, seen from it.
-fn contacts_of<const D: usize>(held: &[ContactHistory<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
+fn contacts_of<const D: usize>(contact_history: &[ContactHistory<D>], bodies: usize) -> Vec<Vec<(Partner, [i32; D])>> {
     let mut of_body = vec![Vec::new(); bodies];
-    for contact in held {
+    for contact in contact_history {
         of_body[contact.body].push((contact.partner, contact.image));
         if let Partner::Body(partner) = contact.partner {
             of_body[partner].push((Partner::Body(contact.body), contact.image.map(|image| -image)));

@@ -72,7 +72,7 @@ pub struct StepOutcome<const D: usize> {
     /// Contacts of these bodies and their forces, if they were found on the way; bodies are named by their numbers.
     pub contacts: Vec<ContactForce<D>>,
     /// Contacts that stick from now on.
-    pub stuck: Vec<AdhesiveContact<D>>,
+    pub adhesive_contacts: Vec<AdhesiveContact<D>>,
     /// How well contacts were kept, if there are any to keep.
     pub kkt_report: Option<KktReport>,
     /// How a shear whose rate a stress decides has gone at its end.

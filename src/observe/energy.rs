@@ -7,7 +7,7 @@
 //! Each term is measured by itself: the dissipation from the slopes of the velocity, the power from forces and velocities. In a sheared box the
 //! energy is that relative to the shear, and the power that of the whole stress with that of fluctuations.
 
-use super::{Viscosity, dissipation, inertia::energy_of_movers};
+use super::{Viscosity, dissipation, rheology::inertia::energy_of_movers};
 use crate::{
     body::{Motion, Twist, components},
     contact::{ContactForce, carried},

@@ -15,16 +15,16 @@ const ON_PROCESSOR: [usize; 2] = [11, 12];
 pub fn process_seconds() -> f64 {
     let of_machine = fs::read_to_string("/proc/uptime").unwrap_or_default();
     let now = of_machine.split_whitespace().next().and_then(|text| text.parse::<f64>().ok());
-    now.zip(told(START)).map_or(0.0, |(now, start)| (now - start).max(0.0))
+    now.zip(process_time(START)).map_or(0.0, |(now, start)| (now - start).max(0.0))
 }
 
 /// Seconds that this process has had a processor, however many others wait for it too; nothing where the system does not tell.
 pub fn processor_seconds() -> Option<f64> {
-    ON_PROCESSOR.into_iter().map(told).sum()
+    ON_PROCESSOR.into_iter().map(process_time).sum()
 }
 
 /// A time that Linux tells of this process, in seconds.
-fn told(place: usize) -> Option<f64> {
+fn process_time(place: usize) -> Option<f64> {
     let text = fs::read_to_string("/proc/self/stat").ok()?;
     let (_, rest) = text.rsplit_once(')')?;
     rest.split_whitespace().nth(place)?.parse::<f64>().ok().map(|ticks| ticks / TICKS)

@@ -27,10 +27,10 @@ pub(super) const DETERMINE: ffi::PetscInt = ffi::PETSC_DETERMINE as ffi::PetscIn
 pub(super) const DEFAULT: ffi::PetscInt = ffi::PETSC_DEFAULT as ffi::PetscInt;
 
 /// PETSc's index, 32 or 64 bits wide.
-pub type Index = ffi::PetscInt;
+pub type PetscIndex = ffi::PetscInt;
 
 /// A size as PETSc's index, which is narrower in most builds: what is beyond it is refused before a grid is made.
-pub fn index(size: usize) -> Index {
+pub fn index(size: usize) -> PetscIndex {
     ffi::PetscInt::try_from(size).expect("sizes are checked against PETSc's indices before a grid is made")
 }
 

@@ -98,7 +98,19 @@ pub struct Krylov {
 struct Watch<'a> {
     scale: f64,
     before: usize,
-    seen: &'a mut dyn FnMut(usize, f64),
+    monitor: &'a mut dyn FnMut(usize, f64),
+}
+
+/// What a solve has come to.
+enum Verdict {
+    /// The first guess is worse than none.
+    BadStart,
+    /// The residual is small enough.
+    Converged,
+    /// Going on would not lower the residual.
+    Stagnated,
+    /// The residual may fall further.
+    Improved,
 }
 
 impl Krylov {
@@ -139,13 +151,13 @@ impl Krylov {
         }
     }
 
-    /// Solves `A x = rhs` starting from `x`; `seen` is told each iteration and its relative residual. The system is applied to `x` last.
+    /// Solves `A x = rhs` starting from `x`; `monitor` is told each iteration and its relative residual. The system is applied to `x` last.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the true residual does not reach the tolerance, with the iterations made, the residual reached and,
     /// where going on from it did not lower it, that it stagnates.
-    pub fn solve(&mut self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, seen: &mut dyn FnMut(usize, f64)) -> Result<Report> {
-        self.solve_above(0.0, system, rhs, x, seen)
+    pub fn solve(&mut self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, monitor: &mut dyn FnMut(usize, f64)) -> Result<Report> {
+        self.solve_above(0.0, system, rhs, x, monitor)
     }
 
     /// As [`solve`](Self::solve), where a residual of the norm `rounding` is what rounding makes of a right-hand side that should be zero.
@@ -158,45 +170,52 @@ impl Krylov {
         system: &mut dyn System,
         rhs: &Vector,
         x: &mut Vector,
-        seen: &mut dyn FnMut(usize, f64),
+        monitor: &mut dyn FnMut(usize, f64),
     ) -> Result<Report> {
         let start = Instant::now();
         let norm = rhs.norm()?;
         let size = norm.max(rounding / self.settings.tolerance);
-        let mut residual = rhs.like()?;
         if norm <= rounding {
             x.fill(0.0)?;
-            system.apply(x, &mut residual)?;
+            system.apply(x, &mut rhs.like()?)?;
             return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
+        self.solve_with_restarts((rounding, size, start), system, rhs, x, monitor)
+    }
+
+    /// Solves, and again from what was reached, until the true residual, over `size`, is small enough or falls no more.
+    fn solve_with_restarts(
+        &mut self,
+        (rounding, size, start): (f64, f64, Instant),
+        system: &mut dyn System,
+        rhs: &Vector,
+        x: &mut Vector,
+        monitor: &mut dyn FnMut(usize, f64),
+    ) -> Result<Report> {
+        let mut residual = rhs.like()?;
         let (mut report, mut last, mut restarts) = (Report::default(), f64::INFINITY, 0);
         let mut passable: Option<(Vector, f64)> = None;
         loop {
             self.set_stopping_rule(rounding, if restarts == 0 { 1.0 } else { AIM })?;
-            self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, seen })?;
+            self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, monitor })?;
             let truth = true_residual(system, rhs, x, &mut residual)? / size;
             report = self.outcome(report.iterations, size, truth, start)?;
-            let reason = self.reason()?;
-            if restarts == 0 && reason == ffi::KSPConvergedReason_KSP_DIVERGED_DTOL {
-                // where all comes to rest, what is extrapolated is a worse start than none
-                x.fill(0.0)?;
-                restarts += 1;
-                continue;
-            }
-            // a space that is exhausted, or a recurrence that rounding has led astray, may serve again from here
-            let over = truth.is_nan() || reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
-            let over = over || restarts == MOST_RESTARTS || truth > STAGNATION * last;
-            let enough = if over { SLACK } else { 1.0 } * self.settings.tolerance;
-            if truth <= enough && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS {
-                return Ok(report);
-            }
-            if over && let Some((kept, _)) = passable {
-                // going on made it worse
-                x.copy_from(&kept)?;
-                let residual = true_residual(system, rhs, x, &mut residual)? / size;
-                return Ok(Report { residual, ..report });
-            } else if over {
-                return Err(self.diverged(report, last)?);
+            match self.verdict(truth, last, restarts)? {
+                Verdict::BadStart => {
+                    // where all comes to rest, what is extrapolated is a worse start than none
+                    x.fill(0.0)?;
+                    restarts += 1;
+                    continue;
+                }
+                Verdict::Converged => return Ok(report),
+                Verdict::Stagnated => {
+                    let Some((kept, _)) = passable else { return Err(self.diverged(report, last)?) };
+                    // going on made it worse
+                    x.copy_from(&kept)?;
+                    let residual = true_residual(system, rhs, x, &mut residual)? / size;
+                    return Ok(Report { residual, ..report });
+                }
+                Verdict::Improved => {}
             }
             if truth <= SLACK * self.settings.tolerance && passable.as_ref().is_none_or(|(_, kept)| truth < *kept) {
                 let kept = x.copied()?;
@@ -204,6 +223,23 @@ impl Krylov {
             }
             (last, restarts) = (truth, restarts + 1);
         }
+    }
+
+    /// What a solve has come to after so many restarts, from a true residual before it and one after it.
+    fn verdict(&self, truth: f64, last: f64, restarts: usize) -> Result<Verdict> {
+        let reason = self.reason()?;
+        if restarts == 0 && reason == ffi::KSPConvergedReason_KSP_DIVERGED_DTOL {
+            return Ok(Verdict::BadStart);
+        }
+        // a space that is exhausted, or a recurrence that rounding has led astray, may serve again from here
+        let over = truth.is_nan() || reason < 0 && reason != ffi::KSPConvergedReason_KSP_DIVERGED_BREAKDOWN;
+        let over = over || restarts == MOST_RESTARTS || truth > STAGNATION * last;
+        let enough = if over { SLACK } else { 1.0 } * self.settings.tolerance;
+        Ok(match over {
+            _ if truth <= enough && reason != ffi::KSPConvergedReason_KSP_DIVERGED_ITS => Verdict::Converged,
+            true => Verdict::Stagnated,
+            false => Verdict::Improved,
+        })
     }
 
     fn call(&self, system: &mut dyn System, rhs: &Vector, x: &mut Vector, watch: Watch) -> Result<()> {
@@ -321,7 +357,7 @@ extern "C" fn monitor(_: ffi::KSP, iteration: ffi::PetscInt, residual: f64, cont
     guard(|| {
         let watch = unsafe { &*context.cast::<Cell<*mut c_void>>() }.get().cast::<Watch>();
         if let Some(watch) = unsafe { watch.as_mut() } {
-            (watch.seen)(watch.before + iteration as usize, residual * watch.scale);
+            (watch.monitor)(watch.before + iteration as usize, residual * watch.scale);
         }
         Ok(())
     })

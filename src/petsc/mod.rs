@@ -25,7 +25,7 @@ mod traffic;
 mod vector;
 
 pub use amg::{Amg, AmgSettings};
-pub use call::{INDEX_BITS, Index, index};
+pub use call::{INDEX_BITS, PetscIndex, index};
 pub use direct::Direct;
 pub use heap::local_heap_bytes;
 pub use krylov::{Krylov, KrylovMethod, KrylovSettings, Report};

@@ -31,19 +31,25 @@ pub struct SparseSolver {
     _matrix: Matrix,
 }
 
+impl SparseMethod {
+    /// What PETSc is told of the matrix.
+    fn symmetry(self) -> Option<ffi::MatOption> {
+        match self {
+            SparseMethod::Quasidefinite => Some(ffi::MatOption_MAT_SYMMETRIC),
+            SparseMethod::Positive | SparseMethod::Iterated => Some(ffi::MatOption_MAT_SPD),
+            SparseMethod::Unsymmetric | SparseMethod::UnsymmetricIterated => None,
+        }
+    }
+}
+
 impl SparseSolver {
     /// Sets up solves with the matrix of this rank's rows, of which there are `local`; PETSc options with the prefix `network_` adjust it.
     ///
     /// # Errors
     /// [`Error::Diverged`] when the matrix has no such factors.
-    pub fn new(session: &Session, local: usize, rows: RowBuilder, way: SparseMethod) -> Result<SparseSolver> {
+    pub fn new(session: &Session, local: usize, rows: RowBuilder, method: SparseMethod) -> Result<SparseSolver> {
         let matrix = Matrix::from_rows(session, local, rows)?;
-        let kind = match way {
-            SparseMethod::Quasidefinite => Some(ffi::MatOption_MAT_SYMMETRIC),
-            SparseMethod::Positive | SparseMethod::Iterated => Some(ffi::MatOption_MAT_SPD),
-            SparseMethod::Unsymmetric | SparseMethod::UnsymmetricIterated => None,
-        };
-        if let Some(kind) = kind {
+        if let Some(kind) = method.symmetry() {
             petsc!(MatSetOption(matrix.raw(), kind, ffi::PetscBool_PETSC_TRUE))?;
         }
         let (mut raw, mut pc) = (null_mut(), null_mut());
@@ -52,18 +58,18 @@ impl SparseSolver {
         petsc!(KSPSetOptionsPrefix(raw, c"network_".as_ptr()))?;
         petsc!(KSPSetOperators(raw, matrix.raw(), matrix.raw()))?;
         petsc!(KSPGetPC(raw, &mut pc))?;
-        if matches!(way, SparseMethod::Iterated | SparseMethod::UnsymmetricIterated) {
+        if matches!(method, SparseMethod::Iterated | SparseMethod::UnsymmetricIterated) {
             let kept = f64::from(ffi::PETSC_DEFAULT);
-            let (method, inner) = if way == SparseMethod::Iterated { (c"cg", "icc") } else { (c"bcgs", "ilu") };
-            petsc!(KSPSetType(raw, method.as_ptr()))?;
+            let (krylov, inner) = if method == SparseMethod::Iterated { (c"cg", "icc") } else { (c"bcgs", "ilu") };
+            petsc!(KSPSetType(raw, krylov.as_ptr()))?;
             petsc!(KSPSetTolerances(raw, LOOSE, kept, kept, DEFAULT))?;
             petsc!(PCSetType(pc, c"bjacobi".as_ptr()))?;
             insert_unless_given("-network_sub_pc_type", inner)?;
         } else {
             petsc!(KSPSetType(raw, c"preonly".as_ptr()))?;
-            let factors = if way == SparseMethod::Unsymmetric { c"lu" } else { c"cholesky" };
+            let factors = if method == SparseMethod::Unsymmetric { c"lu" } else { c"cholesky" };
             petsc!(PCSetType(pc, factors.as_ptr()))?;
-            if way == SparseMethod::Positive && session.world().size() == 1 {
+            if method == SparseMethod::Positive && session.world().size() == 1 {
                 petsc!(PCFactorSetMatSolverType(pc, c"cholmod".as_ptr()))?;
             } else {
                 factor_by_mumps(pc)?;

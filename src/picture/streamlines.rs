@@ -10,7 +10,7 @@ use super::Picture;
 use crate::picture::images::Window;
 
 /// A point or a direction in the plane.
-pub type Point = [f64; 2];
+pub type PlanePoint = [f64; 2];
 
 const STEPS_PER_SEPARATION: f64 = 10.0;
 const SLOWEST_OVER_FASTEST: f64 = 1e-3;
@@ -23,7 +23,7 @@ pub fn separation(picture: &Picture) -> f64 {
 }
 
 /// Evenly spaced streamlines, in the sense of the flow, each continued beyond the periodic edges.
-pub fn streamlines(picture: &Picture) -> Vec<Vec<Point>> {
+pub fn streamlines(picture: &Picture) -> Vec<Vec<PlanePoint>> {
     let mut tracer = Tracer::new(picture);
     for seed in lattice(picture.size, tracer.separation / 2.0) {
         tracer.grow(seed);
@@ -32,12 +32,12 @@ pub fn streamlines(picture: &Picture) -> Vec<Vec<Point>> {
 }
 
 /// The parts of a line brought back into the box, each reaching just over the periodic edges it crosses.
-pub fn pieces(picture: &Picture, line: &[Point]) -> Vec<Vec<Point>> {
+pub fn pieces(picture: &Picture, line: &[PlanePoint]) -> Vec<Vec<PlanePoint>> {
     let window = picture.window();
-    let (image, shift) = (|p: Point| window.turns(p), |p: Point, k: Point| window.back(p, k));
-    let mut pieces: Vec<Vec<Point>> = Vec::new();
+    let (image, shift) = (|p: PlanePoint| window.turns(p), |p: PlanePoint, k: PlanePoint| window.back(p, k));
+    let mut pieces: Vec<Vec<PlanePoint>> = Vec::new();
     let mut current = line.first().map_or([0.0; 2], |&first| image(first));
-    let mut piece: Vec<Point> = line.first().map(|&first| shift(first, current)).into_iter().collect();
+    let mut piece: Vec<PlanePoint> = line.first().map(|&first| shift(first, current)).into_iter().collect();
     for pair in line.windows(2) {
         piece.push(shift(pair[1], current));
         let next = image(pair[1]);
@@ -56,7 +56,7 @@ struct Tracer<'a> {
     slowest: f64,
     obstacles: Obstacles,
     neighbours: Neighbours,
-    lines: Vec<Vec<Point>>,
+    lines: Vec<Vec<PlanePoint>>,
 }
 
 impl<'a> Tracer<'a> {
@@ -75,7 +75,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Draws the line through a seed, then all the lines that can be laid beside it.
-    fn grow(&mut self, seed: Point) {
+    fn grow(&mut self, seed: PlanePoint) {
         let mut seeds = VecDeque::from([seed]);
         while let Some(seed) = seeds.pop_front() {
             if let Some(line) = self.line(seed) {
@@ -86,7 +86,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn line(&self, seed: Point) -> Option<Vec<Point>> {
+    fn line(&self, seed: PlanePoint) -> Option<Vec<PlanePoint>> {
         let start = self.wrapped(seed);
         if self.direction(start).is_none() || self.near_wall(start, 0.4) || self.neighbours.any_within(start, 0.98 * self.separation) {
             return None;
@@ -101,7 +101,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Continues a line with (`1`) or against (`-1`) the flow until it must end; true if it closed on its start.
-    fn extend(&self, line: &mut Vec<Point>, sense: f64) -> bool {
+    fn extend(&self, line: &mut Vec<PlanePoint>, sense: f64) -> bool {
         let longest = (6.0 * (self.picture.size[0] + self.picture.size[1]) * STEPS_PER_SEPARATION / self.separation) as usize;
         while line.len() < longest {
             let last = line[line.len() - 1];
@@ -117,15 +117,15 @@ impl<'a> Tracer<'a> {
         false
     }
 
-    fn meets_itself(&self, line: &[Point], next: Point) -> bool {
+    fn meets_itself(&self, line: &[PlanePoint], next: PlanePoint) -> bool {
         let recent = (3.0 * STEPS_PER_SEPARATION) as usize;
         let older = line.len().saturating_sub(recent);
-        let near = |&point: &Point| norm(self.neighbours.offset(next, point)) < 0.4 * self.separation;
+        let near = |&point: &PlanePoint| norm(self.neighbours.offset(next, point)) < 0.4 * self.separation;
         line[..older].iter().step_by(3).any(near)
     }
 
     /// Joins a line to its own start if that lies straight ahead, as on a closed orbit but not on a spiral.
-    fn close(&self, line: &mut Vec<Point>, next: Point) -> bool {
+    fn close(&self, line: &mut Vec<PlanePoint>, next: PlanePoint) -> bool {
         let last = line[line.len() - 1];
         let ahead = [next[0] - last[0], next[1] - last[1]];
         let gap = self.neighbours.offset(next, line[0]);
@@ -137,8 +137,8 @@ impl<'a> Tracer<'a> {
         closes
     }
 
-    fn step(&self, x: Point, length: f64) -> Option<Point> {
-        let from = |slope: Point, part: f64| [x[0] + part * length * slope[0], x[1] + part * length * slope[1]];
+    fn step(&self, x: PlanePoint, length: f64) -> Option<PlanePoint> {
+        let from = |slope: PlanePoint, part: f64| [x[0] + part * length * slope[0], x[1] + part * length * slope[1]];
         let first = self.direction(x)?;
         let second = self.direction(from(first, 0.5))?;
         let third = self.direction(from(second, 0.5))?;
@@ -149,7 +149,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// Unit vector along the flow, or none outside the fluid and where it rests.
-    fn direction(&self, x: Point) -> Option<Point> {
+    fn direction(&self, x: PlanePoint) -> Option<PlanePoint> {
         let x = self.wrapped(x);
         let inside = (0..2).all(|axis| (0.0..=self.picture.size[axis]).contains(&x[axis]));
         if !inside || self.obstacles.cover(x) {
@@ -160,12 +160,12 @@ impl<'a> Tracer<'a> {
         (speed > self.slowest).then(|| velocity.map(|component| component / speed))
     }
 
-    fn near_wall(&self, x: Point, part: f64) -> bool {
+    fn near_wall(&self, x: PlanePoint, part: f64) -> bool {
         let gap = |axis: usize| x[axis].min(self.picture.size[axis] - x[axis]);
         (0..2).any(|axis| !self.picture.periodic[axis] && gap(axis) < part * self.separation)
     }
 
-    fn wrapped(&self, x: Point) -> Point {
+    fn wrapped(&self, x: PlanePoint) -> PlanePoint {
         let window = self.picture.window();
         window.back(x, window.turns(x))
     }
@@ -189,7 +189,7 @@ impl Obstacles {
         obstacles
     }
 
-    fn add(&mut self, center: Point, radius: f64) {
+    fn add(&mut self, center: PlanePoint, radius: f64) {
         let range = |axis: usize| {
             let [low, high] = [center[axis] - radius, center[axis] + radius].map(|x| (x / self.cell).max(0.0) as usize);
             low..(high + 1).min(self.counts[axis])
@@ -202,7 +202,7 @@ impl Obstacles {
         }
     }
 
-    fn cover(&self, x: Point) -> bool {
+    fn cover(&self, x: PlanePoint) -> bool {
         let [i, j] = x.map(|component| (component / self.cell) as usize);
         self.covered[j * self.counts[0] + i]
     }
@@ -212,7 +212,7 @@ impl Obstacles {
 struct Neighbours {
     window: Window,
     counts: [usize; 2],
-    bins: Vec<Vec<Point>>,
+    bins: Vec<Vec<PlanePoint>>,
 }
 
 impl Neighbours {
@@ -221,19 +221,19 @@ impl Neighbours {
         Neighbours { window: picture.window(), counts, bins: vec![Vec::new(); counts[0] * counts[1]] }
     }
 
-    fn insert(&mut self, x: Point) {
+    fn insert(&mut self, x: PlanePoint) {
         let bin = self.bin(x, [0, 0]).expect("a streamline stays in the box");
         self.bins[bin].push(x);
     }
 
-    fn any_within(&self, x: Point, distance: f64) -> bool {
+    fn any_within(&self, x: PlanePoint, distance: f64) -> bool {
         let around = (-1..=1).flat_map(|j| (-1..=1).map(move |i| [i, j]));
         let mut points = around.filter_map(|step| self.bin(x, step)).flat_map(|bin| &self.bins[bin]);
         points.any(|&point| norm(self.offset(x, point)) < distance)
     }
 
     /// The bin `step` bins away from the one that holds `x`, or none behind a wall.
-    fn bin(&self, x: Point, step: [i64; 2]) -> Option<usize> {
+    fn bin(&self, x: PlanePoint, step: [i64; 2]) -> Option<usize> {
         let (periodic, home) = (self.window.periodic, self.window.back(x, self.window.turns(x)));
         let index = |axis: usize| {
             let count = self.counts[axis] as i64;
@@ -245,7 +245,7 @@ impl Neighbours {
     }
 
     /// The vector from one point to the nearest image of another.
-    fn offset(&self, from: Point, to: Point) -> Point {
+    fn offset(&self, from: PlanePoint, to: PlanePoint) -> PlanePoint {
         let Window { size, periodic, shift } = self.window;
         let turns = |axis: usize, length: f64| if periodic[axis] { (length / size[axis]).round() } else { 0.0 };
         let up = turns(1, to[1] - from[1]);
@@ -254,7 +254,7 @@ impl Neighbours {
     }
 }
 
-fn velocity(picture: &Picture, x: Point) -> Point {
+fn velocity(picture: &Picture, x: PlanePoint) -> PlanePoint {
     let place = [0, 1].map(|axis| x[axis] / picture.size[axis] * picture.samples[axis] as f64 - 0.5);
     let weight = place.map(|p| p - p.floor());
     let sample = |di: i64, dj: i64| {
@@ -269,7 +269,7 @@ fn velocity(picture: &Picture, x: Point) -> Point {
     })
 }
 
-fn beside(line: &[Point], distance: f64) -> Vec<Point> {
+fn beside(line: &[PlanePoint], distance: f64) -> Vec<PlanePoint> {
     let sides = line.windows(2).step_by(3).flat_map(|pair| {
         let along = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
         let across = [-along[1], along[0]].map(|component| component * distance / norm(along));
@@ -278,13 +278,13 @@ fn beside(line: &[Point], distance: f64) -> Vec<Point> {
     sides.collect()
 }
 
-fn lattice(size: Point, spacing: f64) -> Vec<Point> {
+fn lattice(size: PlanePoint, spacing: f64) -> Vec<PlanePoint> {
     let counts = size.map(|length| (length / spacing).ceil() as usize);
     let point = |i: usize, j: usize| [(i as f64 + 0.5) * size[0] / counts[0] as f64, (j as f64 + 0.5) * size[1] / counts[1] as f64];
     (0..counts[1]).flat_map(|j| (0..counts[0]).map(move |i| point(i, j))).collect()
 }
 
-fn norm(vector: Point) -> f64 {
+fn norm(vector: PlanePoint) -> f64 {
     vector[0].hypot(vector[1])
 }
 
@@ -300,8 +300,8 @@ mod tests {
         let lines = streamlines(&picture);
         assert!(lines.len() > 10);
         let disks = picture.disks();
-        let outside = |p: &Point| disks.iter().all(|disk| norm([p[0] - disk.center[0], p[1] - disk.center[1]]) > disk.radius);
-        let inner = |p: &&Point| (0.0..=2.0).contains(&p[0]);
+        let outside = |p: &PlanePoint| disks.iter().all(|disk| norm([p[0] - disk.center[0], p[1] - disk.center[1]]) > disk.radius);
+        let inner = |p: &&PlanePoint| (0.0..=2.0).contains(&p[0]);
         assert!(lines.iter().flat_map(|line| pieces(&picture, line)).all(|piece| piece.iter().filter(inner).all(outside)));
     }
 

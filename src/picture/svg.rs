@@ -6,7 +6,7 @@ use super::axes::axes;
 use super::bar::Bar;
 use super::colour::{distinct, hexadecimal};
 use super::frame::{AXIS, BAR_ROOM, INK, LARGEST, PictureFrame, SIDE, WALL};
-use super::streamlines::{Point, pieces, separation, streamlines};
+use super::streamlines::{PlanePoint, pieces, separation, streamlines};
 use super::{Disk, Picture, raster};
 
 /// Most groups of bodies that are named.
@@ -89,7 +89,7 @@ fn field(picture: &Picture, frame: &PictureFrame, bar: &Bar) -> String {
 }
 
 fn lines(picture: &Picture, frame: &PictureFrame) -> String {
-    let moves = |velocity: &Point| velocity[0].hypot(velocity[1]) > picture.least_speed;
+    let moves = |velocity: &PlanePoint| velocity[0].hypot(velocity[1]) > picture.least_speed;
     if !picture.velocity.iter().any(moves) {
         return String::new();
     }
@@ -104,7 +104,7 @@ fn lines(picture: &Picture, frame: &PictureFrame) -> String {
     )
 }
 
-fn path(points: &[Point], frame: &PictureFrame) -> String {
+fn path(points: &[PlanePoint], frame: &PictureFrame) -> String {
     let mut text = String::new();
     for (index, &point) in points.iter().enumerate() {
         let [x, y] = frame.place(point);
@@ -115,7 +115,7 @@ fn path(points: &[Point], frame: &PictureFrame) -> String {
 }
 
 /// Arrow heads along a line, one in the middle of every ten separations.
-fn arrows(picture: &Picture, frame: &PictureFrame, line: &[Point]) -> Vec<String> {
+fn arrows(picture: &Picture, frame: &PictureFrame, line: &[PlanePoint]) -> Vec<String> {
     let count = (line.len() / 100).max(usize::from(line.len() > 24));
     let head = |k: usize| {
         let index = ((2 * k + 1) * line.len() / (2 * count)).clamp(1, line.len() - 1);
@@ -127,7 +127,7 @@ fn arrows(picture: &Picture, frame: &PictureFrame, line: &[Point]) -> Vec<String
     (0..count).map(head).collect()
 }
 
-fn arrow(before: Point, tip: Point, length: f64) -> String {
+fn arrow(before: PlanePoint, tip: PlanePoint, length: f64) -> String {
     let step = [tip[0] - before[0], tip[1] - before[1]];
     let along = step.map(|component| component / step[0].hypot(step[1]).max(1e-12) * length);
     let point = |a: f64, b: f64| format!("{:.1} {:.1}", tip[0] + a * along[0] - b * along[1], tip[1] + a * along[1] + b * along[0]);
@@ -148,8 +148,8 @@ fn contacts(picture: &Picture, frame: &PictureFrame) -> String {
     if lines.is_empty() { lines } else { format!("{style}\n{lines}</g>\n") }
 }
 
-fn strokes(lines: Vec<([Point; 2], f64)>, frame: &PictureFrame) -> String {
-    let line = |(ends, width): ([Point; 2], f64)| {
+fn strokes(lines: Vec<([PlanePoint; 2], f64)>, frame: &PictureFrame) -> String {
+    let line = |(ends, width): ([PlanePoint; 2], f64)| {
         let width = (width * frame.scale).max(0.5);
         format!("<path d=\"{}\" stroke-width=\"{width:.1}\"/>\n", path(&ends, frame))
     };
@@ -208,7 +208,7 @@ fn edges(picture: &Picture, frame: &PictureFrame) -> String {
     let [width, height] = frame.size;
     let mut text = format!("<rect {} fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.55\" stroke-width=\"0.8\"/>\n", frame.rectangle());
     let reach = picture.walls.map(|wall| if wall { WALL } else { 0.4 });
-    let mut wall = |x: f64, y: f64, size: Point| {
+    let mut wall = |x: f64, y: f64, size: PlanePoint| {
         let [x, y] = [frame.left + x, frame.top + y];
         let _ = writeln!(text, "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>", size[0], size[1]);
     };

@@ -18,16 +18,16 @@ type Neighbour<const D: usize> = (SVector<f64, D>, f64);
 
 /// For each body, whether it has near neighbours and each of them has another one opposite.
 pub fn opposite_neighbours<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Vec<bool> {
-    let seen = neighbours(domain, balls);
-    balls.iter().zip(&seen).map(|(ball, seen)| !seen.is_empty() && in_opposite_places(seen, ball.radius)).collect()
+    let of_body = neighbours(domain, balls);
+    balls.iter().zip(&of_body).map(|(ball, neighbours)| !neighbours.is_empty() && in_opposite_places(neighbours, ball.radius)).collect()
 }
 
 fn neighbours<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Vec<Vec<Neighbour<D>>> {
-    let mut seen = vec![Vec::new(); balls.len()];
+    let mut of_body = vec![Vec::new(); balls.len()];
     let largest = balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
     let mut add = |body: usize, gap: f64, normal: SVector<f64, D>, curvature: f64| {
         if gap < REACH * balls[body].radius {
-            seen[body].push((normal * (balls[body].radius + gap), curvature));
+            of_body[body].push((normal * (balls[body].radius + gap), curvature));
         }
     };
     for pair in near_pairs(domain, balls, REACH * largest) {
@@ -40,14 +40,14 @@ fn neighbours<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>]) -> Vec<Vec<
         normal[near.axis] = if near.upper { 1.0 } else { -1.0 };
         add(near.body, near.gap, normal, 0.0);
     }
-    seen
+    of_body
 }
 
-fn in_opposite_places<const D: usize>(seen: &[Neighbour<D>], radius: f64) -> bool {
+fn in_opposite_places<const D: usize>(neighbours: &[Neighbour<D>], radius: f64) -> bool {
     let opposite = |(place, curvature): &Neighbour<D>, (other, others): &Neighbour<D>| {
         (place + other).norm() < SLACK * radius && (curvature - others).abs() * radius < SLACK
     };
-    seen.iter().all(|one| seen.iter().any(|other| opposite(one, other)))
+    neighbours.iter().all(|one| neighbours.iter().any(|other| opposite(one, other)))
 }
 
 #[cfg(test)]

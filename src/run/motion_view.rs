@@ -18,13 +18,13 @@ use crate::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactTotals {
     /// How many bear a force.
-    pub held: usize,
+    pub active: usize,
     /// On how many bodies these act: two for each but those with walls.
     pub ends: usize,
     /// The sum of these forces.
     pub force: f64,
     /// How many stick.
-    pub stuck: usize,
+    pub adhesive: usize,
     /// The least of their memories, 0 if none sticks.
     pub gamma: f64,
 }
@@ -60,49 +60,49 @@ impl<'a, const D: usize> MotionView<'a, D> {
     }
 
     /// Contacts that bear a force, of the bodies of this rank: of this instant in a flow, of the last step in a dry run.
-    pub fn held(&self) -> Cow<'a, [ContactHistory<D>]> {
+    pub fn contact_history(&self) -> Cow<'a, [ContactHistory<D>]> {
         match self.observation.solution {
-            Some(_) => self.observation.contacts.iter().filter(|pressed| pressed.force != 0.0).map(ContactHistory::of).collect(),
-            None => Cow::Borrowed(&self.state().held),
+            Some(_) => self.observation.contacts.iter().filter(|active| active.force != 0.0).map(ContactHistory::of).collect(),
+            None => Cow::Borrowed(&self.state().contact_history),
         }
     }
 
     /// How many contacts bear a force and what these sum up to, how many stick, and their least memory: of all ranks. Collective.
     pub fn contact_totals(&self, world: &World) -> ContactTotals {
         let state = self.state();
-        let held = self.held();
-        let told = || held.iter().filter(|held| state.tells(held.body));
-        let ends = told().flat_map(|held| bodies_of(held.identity())).count();
-        let force: f64 = told().map(|held| held.force).sum();
-        let mut sums = [told().count() as f64, force, state.told_stuck().count() as f64, ends as f64];
-        let gamma = state.stuck.iter().map(|stuck| stuck.gamma).fold(0.0, f64::min);
+        let contacts = self.contact_history();
+        let reported = || contacts.iter().filter(|contact| state.reports(contact.body));
+        let ends = reported().flat_map(|contact| bodies_of(contact.identity())).count();
+        let force: f64 = reported().map(|contact| contact.force).sum();
+        let mut sums = [reported().count() as f64, force, state.reported_adhesive_contacts().count() as f64, ends as f64];
+        let gamma = state.adhesive_contacts.iter().map(|contact| contact.gamma).fold(0.0, f64::min);
         let peers = state.peers(world);
         peers.sum(&mut sums);
-        let [held, ends] = [sums[0], sums[3]].map(|sum| sum as usize);
-        ContactTotals { held, ends, force: sums[1], stuck: sums[2] as usize, gamma: peers.min(gamma) }
+        let [active, ends] = [sums[0], sums[3]].map(|sum| sum as usize);
+        ContactTotals { active, ends, force: sums[1], adhesive: sums[2] as usize, gamma: peers.min(gamma) }
     }
 
     /// The mean of `n n` over the normals of contacts that press, in a flow, whose ranks all know all contacts; nothing where none does.
     pub fn fabric(&self) -> Option<SMatrix<f64, D, D>> {
-        let pressed = || self.observation.contacts.iter().filter(|pressed| pressed.force > 0.0);
-        let sum: SMatrix<f64, D, D> = pressed().map(|pressed| pressed.contact.normal * pressed.contact.normal.transpose()).sum();
-        let count = pressed().count();
+        let active_contacts = || self.observation.contacts.iter().filter(|active| active.force > 0.0);
+        let sum: SMatrix<f64, D, D> = active_contacts().map(|active| active.contact.normal * active.contact.normal.transpose()).sum();
+        let count = active_contacts().count();
         (count > 0).then(|| sum / count as f64)
     }
 
     /// Contacts that bear a force, of the bodies of this rank, as lines between centers or from a center to a wall. Collective.
     pub fn force_lines(&self) -> Vec<ForceLine<D>> {
-        let held = self.held();
-        let (halo, balls) = self.simulation.seen(held.iter().flat_map(|held| bodies_of(held.identity())));
+        let contacts = self.contact_history();
+        let (halo, balls) = self.simulation.halo_of(contacts.iter().flat_map(|contact| bodies_of(contact.identity())));
         let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
-        let line = |held: &ContactHistory<D>| {
-            let contact = Contact::again(self.domain(), &balls, renamed(held.identity(), place));
+        let line = |history: &ContactHistory<D>| {
+            let contact = Contact::again(self.domain(), &balls, renamed(history.identity(), place));
             let (ball, other) = (balls[contact.body], contact.partner);
             let radius = if let Partner::Body(other) = other { balls[other].radius } else { 0.0 };
             let way = contact.normal * (ball.radius + contact.gap + radius);
-            ForceLine { from: ball.center, way, radii: [ball.radius, radius], force: held.force }
+            ForceLine { from: ball.center, way, radii: [ball.radius, radius], force: history.force }
         };
-        held.iter().filter(|held| self.state().tells(held.body)).map(line).collect()
+        contacts.iter().filter(|contact| self.state().reports(contact.body)).map(line).collect()
     }
 
     /// The contact forces of all bodies as lines in the plane of two axes, on the first rank; none elsewhere. Collective.
@@ -123,7 +123,7 @@ impl<'a, const D: usize> MotionView<'a, D> {
     pub fn bodies(&self, places: Range<usize>) -> Vec<FrameBody<D>> {
         let (state, radii) = (self.state(), self.simulation.radii());
         let mut contacts = vec![0; places.len()];
-        for body in self.held().iter().flat_map(|held| bodies_of(held.identity())) {
+        for body in self.contact_history().iter().flat_map(|contact| bodies_of(contact.identity())) {
             let place = state.place(body).and_then(|place| place.checked_sub(places.start));
             if let Some(count) = place.and_then(|place| contacts.get_mut(place)) {
                 *count += 1;

@@ -73,11 +73,11 @@ fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &MotionView<D>
     ContactSummary {
         model: model.word(),
         pairs: kept.pairs,
-        active: totals.held,
+        active: totals.active,
         smallest_gap: kept.smallest_gap,
         kkt_residual: (!matches!(model, ContactModel::Repulsion { .. })).then_some(kept.kkt_residual),
         total_force: totals.force,
-        glue: model.gluey().then_some(GlueSummary { stuck: totals.stuck, gamma: totals.gamma }),
+        glue: model.gluey().then_some(GlueSummary { stuck: totals.adhesive, gamma: totals.gamma }),
         friction: (scene.contact.friction.coefficient > 0.0).then_some(FrictionSummary {
             residual,
             steps_above_tolerance,

@@ -50,10 +50,7 @@ pub(super) fn keys(scene: &Scene) -> Keys {
     if !scene.dry() {
         keys.extend(of_method(method, flow.model));
     }
-    for (group, bodies) in bodies.iter().enumerate() {
-        let name = scene.group_key(group);
-        keys.extend(of_bodies(bodies, flow.model).into_iter().map(|(key, value)| (format!("{name}.{key}"), value)));
-    }
+    keys.extend(of_groups(scene, bodies));
     if !scene.scalar() {
         keys.extend(of_contact(contact));
         keys.extend(of_lubrication(lubrication.model));
@@ -222,6 +219,14 @@ fn automatic(key: &str, value: Option<f64>) -> (String, String) {
     value.map_or_else(|| word(key, "auto"), |value| number(key, value))
 }
 
+fn of_groups(scene: &Scene, groups: &[BodyGroup]) -> Keys {
+    let of_group = |(group, bodies): (usize, &BodyGroup)| {
+        let name = scene.group_key(group);
+        of_bodies(bodies, scene.flow.model).into_iter().map(move |(key, value)| (format!("{name}.{key}"), value))
+    };
+    groups.iter().enumerate().flat_map(of_group).collect()
+}
+
 fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     let BodyGroup {
         shape: Shape::Ball,
@@ -248,13 +253,7 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
     };
     keys.push(number("radius", *radius));
     keys.extend(sizes.iter().flat_map(of_sizes));
-    keys.extend(match placement {
-        Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", *gap)],
-        Placement::Count(count) => vec![pair("count", count), number("gap", *gap)],
-        Placement::Centers(centers) if centers.is_empty() => vec![pair("centers", "[]")],
-        Placement::Centers(centers) => (0..).zip(centers).map(|(index, center)| list(&format!("centers[{index}]"), center)).collect(),
-        Placement::File(path) => vec![text("file", &path.to_string_lossy())],
-    });
+    keys.extend(of_placement(placement, *gap));
     keys.extend(region.iter().map(|region| pair("region", region.text())));
     if model != FlowModel::Scalar {
         keys.push(number("density", *density));
@@ -267,6 +266,16 @@ fn of_bodies(bodies: &BodyGroup, model: FlowModel) -> Keys {
         numbers => list(key, numbers),
     }));
     keys
+}
+
+fn of_placement(placement: &Placement, gap: f64) -> Keys {
+    match placement {
+        Placement::Fraction(fraction) => vec![number("fraction", *fraction), number("gap", gap)],
+        Placement::Count(count) => vec![pair("count", count), number("gap", gap)],
+        Placement::Centers(centers) if centers.is_empty() => vec![pair("centers", "[]")],
+        Placement::Centers(centers) => (0..).zip(centers).map(|(index, center)| list(&format!("centers[{index}]"), center)).collect(),
+        Placement::File(path) => vec![text("file", &path.to_string_lossy())],
+    }
 }
 
 fn of_sizes(sizes: &SizeDistribution) -> Keys {

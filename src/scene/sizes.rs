@@ -93,8 +93,8 @@ impl SizeDistribution {
                 bisect(below, first + (last - first) * part, [*smallest, *largest])
             }
             SizeDistribution::List(_) | SizeDistribution::Bidisperse { .. } => {
-                let kinds = self.kinds(dimension);
-                kinds[kinds.partition_point(|kind| kind.until < part).min(kinds.len() - 1)].radius
+                let size_classes = self.size_classes(dimension);
+                size_classes[size_classes.partition_point(|class| class.until < part).min(size_classes.len() - 1)].radius
             }
         }
     }
@@ -122,15 +122,15 @@ impl SizeDistribution {
                 (0.5 * shift * shift).exp() * between(shift) / between(0.0)
             }
             SizeDistribution::List(_) | SizeDistribution::Bidisperse { .. } => {
-                let kinds = self.kinds(dimension);
-                let before = std::iter::once(0.0).chain(kinds.iter().map(|kind| kind.until));
-                kinds.iter().zip(before).map(|(kind, before)| (kind.until - before) * power(&kind.radius)).sum()
+                let size_classes = self.size_classes(dimension);
+                let before = std::iter::once(0.0).chain(size_classes.iter().map(|class| class.until));
+                size_classes.iter().zip(before).map(|(class, before)| (class.until - before) * power(&class.radius)).sum()
             }
         }
     }
 
     /// Few radii, ascending, with the part by number of the bodies that are no larger.
-    fn kinds(&self, dimension: usize) -> Vec<Kind> {
+    fn size_classes(&self, dimension: usize) -> Vec<SizeClass> {
         let shares = match self {
             SizeDistribution::List(radii) => radii.iter().map(|radius| (*radius, 1.0)).collect(),
             SizeDistribution::Bidisperse { ratio, share } => vec![(1.0, 1.0 - share), (*ratio, *share)],
@@ -141,16 +141,16 @@ impl SizeDistribution {
         numbers.sort_by(|one, other| one.0.total_cmp(&other.0));
         let all: f64 = numbers.iter().map(|(_, number)| number).sum();
         let mut until = 0.0;
-        let kind = |(radius, number): (f64, f64)| {
+        let class = |(radius, number): (f64, f64)| {
             until += number / all;
-            Kind { radius, until }
+            SizeClass { radius, until }
         };
-        numbers.into_iter().map(kind).collect()
+        numbers.into_iter().map(class).collect()
     }
 }
 
 /// A radius, and the part of all bodies that are no larger.
-struct Kind {
+struct SizeClass {
     radius: f64,
     until: f64,
 }

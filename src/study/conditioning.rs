@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use self::{
     grids::grids,
     growth::Growth,
-    laplacian::{Problem, Solve, WANTED},
+    laplacian::{LaplacianSolve, Problem, WANTED},
     multipliers::MultiplierGrowth,
     preconditioning::Preconditioning,
     report::ConditioningReport,
@@ -85,7 +85,7 @@ impl Study<Session> for Conditioning {
 
 impl Conditioning {
     /// All grids with all preconditioners, and how they grow.
-    fn laplacian(&self, session: &Session) -> Result<(Vec<Solve>, Vec<Growth>)> {
+    fn laplacian(&self, session: &Session) -> Result<(Vec<LaplacianSolve>, Vec<Growth>)> {
         let mut solves = Vec::new();
         for cells in grids(COARSEST[0], self.finest_2d) {
             solves.extend(all_preconditionings::<2>(session, cells)?);
@@ -99,7 +99,7 @@ impl Conditioning {
     }
 }
 
-fn all_preconditionings<const D: usize>(session: &Session, cells: usize) -> Result<Vec<Solve>> {
+fn all_preconditionings<const D: usize>(session: &Session, cells: usize) -> Result<Vec<LaplacianSolve>> {
     let problem = Problem::<D>::new(session, cells)?;
     Preconditioning::ALL.iter().map(|&method| problem.solve(method)).collect()
 }

@@ -35,7 +35,7 @@ use self::{analysis::Analysis, metric::Metric, ranges::ParameterRanges, sweep::S
 use super::command::{PetscOptions, SceneArguments, Study};
 use crate::{
     error::{Error, Result},
-    experiment::{Experiment, arguments::Start, folder::sweep_out, store::Identity, table::csv},
+    experiment::{Experiment, arguments::Start, folder::sweep_out, store::StudyIdentity, table::csv},
     output::say,
     scene::Scene,
 };
@@ -59,7 +59,7 @@ impl Study<PetscOptions> for CostStudy {
         let ranges = ParameterRanges::of(&options, scene, metric.properties.radius)?;
         options.check_names(&ranges.methods)?;
         let start = Start { launcher: &options.start.launcher, petsc, ranks: options.ranks };
-        let identity = Identity::of_scene(scene, "quantity", metric.quantity, &start)?;
+        let identity = StudyIdentity::of_scene(scene, "quantity", metric.quantity, &start)?;
         let folder = options.out.clone().unwrap_or_else(|| format!("out/{}-cost", scene.name).into());
         let experiment = Experiment::open(&start, folder, "cost.json", identity, options.fresh)?;
         say(&format!("{}\nquantity: {}\n", scene.shown_title(), metric.words()))?;

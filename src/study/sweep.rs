@@ -27,8 +27,8 @@ use crate::{
         Experiment,
         arguments::Start,
         launcher::{Job, LAUNCHER, WITHOUT_PICTURE},
-        record::Outcome,
-        store::Identity,
+        record::RunOutcome,
+        store::StudyIdentity,
         summary::RunSummary,
     },
     output::say,
@@ -82,7 +82,7 @@ impl Study<PetscOptions> for ParameterSweep {
         let quantities = SweepQuantity::all(&self.quantity, &scenes[0])?;
         let start = Start { launcher: &self.launcher, petsc, ranks: self.ranks };
         let names: Vec<String> = quantities.iter().map(SweepQuantity::name).collect();
-        let identity = Identity::of_scene(&scene, "quantities", &names, &start)?;
+        let identity = StudyIdentity::of_scene(&scene, "quantities", &names, &start)?;
         let folder = self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into());
         let mut experiment = Experiment::open(&start, folder, "sweep.json", identity, self.fresh)?;
         let words: Vec<String> =
@@ -136,7 +136,7 @@ impl ParameterSweep {
         experiment: &Experiment<SweepRecord>,
         setting: &SweepSetting,
         quantities: &[SweepQuantity],
-    ) -> Result<Outcome<Measured>> {
+    ) -> Result<RunOutcome<Measured>> {
         let scene = &self.scene_of(setting)?;
         let picture = (!scene.scalar()).then(|| WITHOUT_PICTURE.to_owned());
         let overrides: Vec<String> = self.overrides(setting).into_iter().chain(picture).collect();

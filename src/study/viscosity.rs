@@ -23,7 +23,7 @@ use crate::{
         Experiment,
         arguments::Start,
         launcher::{Job, LAUNCHER},
-        store::Identity,
+        store::StudyIdentity,
     },
     output::say,
 };
@@ -78,7 +78,7 @@ impl Study<PetscOptions> for ViscosityStudy {
     fn run(&self, petsc: &PetscOptions) -> Result<()> {
         self.check()?;
         let start = Start { launcher: &self.launcher, petsc, ranks: self.ranks };
-        let mut experiment = Experiment::open(&start, self.out.clone(), "viscosity.json", Identity::of_version(), self.fresh)?;
+        let mut experiment = Experiment::open(&start, self.out.clone(), "viscosity.json", StudyIdentity::of_version(), self.fresh)?;
         let settings = self.settings();
         experiment.complete(&settings, |experiment, setting| self.measure(experiment, setting))?;
         let report = ViscosityReport::new(&settings, &experiment.store);

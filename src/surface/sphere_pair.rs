@@ -85,7 +85,7 @@ struct Expansion {
 }
 
 /// A function on the first sphere: its coefficient of one `Y_k`, where it goes with `|y|^k` and where with `|y|^{k+2}`.
-type Powers = [f64; 2];
+type PowerCoefficients = [f64; 2];
 
 impl Expansion {
     /// For modes of the second sphere and tests with those of the first.
@@ -118,7 +118,7 @@ impl Expansion {
     }
 
     /// `y . P` over `|y|`.
-    fn radial(&self, l: usize, k: usize) -> Powers {
+    fn radial(&self, l: usize, k: usize) -> PowerCoefficients {
         let n = l as f64;
         let below = 2.0 * n - 1.0;
         let [a, b, c] = [(2.0 - n) / (2.0 * n * below), (n + 1.0) / (n * below), (n + 1.0) / (2.0 * below)];

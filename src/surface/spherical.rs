@@ -46,7 +46,7 @@ struct DegreeModes {
 }
 
 /// Powers of the scaled distances `s` of several points from the centre, for one degree after the other.
-struct Powers {
+struct RadialPowers {
     /// `s^2`.
     square: Simd,
     /// `s^{-2}`.
@@ -71,7 +71,7 @@ impl Spherical {
 
     /// Calls `fill(l, powers, harmonics, values)` for each batch of points and each degree.
     #[inline(always)]
-    fn each_degree(&self, offsets: &[f64], out: &mut [f64], fill: impl Fn(usize, &[Simd; 3], &Powers, &[Simd], &mut [f64])) {
+    fn each_degree(&self, offsets: &[f64], out: &mut [f64], fill: impl Fn(usize, &[Simd; 3], &RadialPowers, &[Simd], &mut [f64])) {
         let mut harmonics = vec![[0.0; LANES]; (self.degrees.len() + 1).pow(2)];
         in_batches(
             offsets,
@@ -81,7 +81,7 @@ impl Spherical {
             #[inline(always)]
             |position, values| {
                 self.harmonics.fill(position, &mut harmonics);
-                let mut powers = Powers::new(position);
+                let mut powers = RadialPowers::new(position);
                 for l in 1..=self.degrees.len() {
                     powers.next_degree();
                     fill(l, position, &powers, &harmonics, values);
@@ -242,7 +242,7 @@ fn set(values: &mut [f64], mode: usize, value: impl FnMut(usize) -> f64) {
     values[mode * LANES..][..LANES].copy_from_slice(&each(value));
 }
 
-impl Powers {
+impl RadialPowers {
     /// Of degree 0.
     #[inline(always)]
     fn new([x, y, z]: &[Simd; 3]) -> Self {

@@ -3,7 +3,7 @@
 use crate::{error::Result, petsc::Session};
 
 /// Solves a case and measures its quantity; collective.
-pub type Solve = Box<dyn Fn(&Session) -> Result<f64>>;
+pub type CaseSolver = Box<dyn Fn(&Session) -> Result<f64>>;
 
 /// A case with a known answer.
 pub struct Case {
@@ -18,7 +18,7 @@ pub struct Case {
     /// Largest relative error that is promised.
     pub tolerance: f64,
     /// How to get ours.
-    pub solve: Solve,
+    pub solve: CaseSolver,
 }
 
 impl Case {

@@ -1,6 +1,6 @@
 //! A fixed disk in a channel with inflow and outflow: the benchmark of Schaefer and Turek (1996).
 
-use super::follow::{Row, follow};
+use super::follow::{ComparisonRow, follow};
 use crate::{error::Result, mechanics::FlowSolver, petsc::Session, surface::Shape};
 
 /// The channel of Schaefer and Turek (1996) with its disk.
@@ -16,7 +16,7 @@ fn channel(cells: usize, speed: f64, time: &str) -> String {
 const CHANNEL: &str = "spectral elements: DFG benchmark, Schaefer and Turek (1996)";
 
 /// Re 20: a steady flow.
-pub fn cylinder(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
+pub fn cylinder(session: &Session, cells: usize) -> Result<(usize, Vec<ComparisonRow>)> {
     // a number of equal steps: a shorter last one would change the force by some 1e-4
     let text = channel(cells, 0.3, &format!("end = 10.0, step = {}", 10.0 / (10.0 * cells as f64 / 0.06).ceil()));
     let mut last = [0.0; 2];
@@ -26,7 +26,7 @@ pub fn cylinder(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
         }
         Ok(())
     })?;
-    let row = |case: &str, reference, found| Row {
+    let row = |case: &str, reference, found| ComparisonRow {
         case: format!("fixed disk in a channel, Re 20: {case}"),
         resolution: format!("{cells} cells a radius, {cells} modes"),
         reference: Some(reference),
@@ -51,7 +51,7 @@ fn pressure_drop(flow: &dyn FlowSolver<2>) -> f64 {
 }
 
 /// Re 100: vortices, with the largest drag and lift and the Strouhal number over the last periods.
-pub fn vortices(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
+pub fn vortices(session: &Session, cells: usize) -> Result<(usize, Vec<ComparisonRow>)> {
     let text = channel(cells, 1.5, &format!("end = 6.0, step = {}", 0.0096 / cells as f64));
     let mut series: Vec<[f64; 3]> = Vec::new();
     let steps = follow::<2>(session, &text, |simulation, observation| {
@@ -66,7 +66,7 @@ pub fn vortices(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
     let crossings: Vec<f64> = rises.map(|pair| pair[0][0] - pair[0][2] * (pair[1][0] - pair[0][0]) / (pair[1][2] - pair[0][2])).collect();
     let periods = crossings.len().saturating_sub(1) as f64;
     let frequency = crossings.first().zip(crossings.last()).map_or(f64::NAN, |(first, last)| periods / (last - first));
-    let row = |case: &str, reference, found| Row {
+    let row = |case: &str, reference, found| ComparisonRow {
         case: format!("fixed disk in a channel, Re 100: {case}"),
         resolution: format!("{cells} cells a radius, {cells} modes"),
         reference: Some(reference),

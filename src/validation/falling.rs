@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::follow::{Row, follow, interpolated};
+use super::follow::{ComparisonRow, follow, interpolated};
 use crate::{error::Result, observe, petsc::Session};
 
 /// Times and downward speeds of the settling disk of Glowinski et al. (2001), by a mesh that fits it, converged to 1e-5 from t = 0.2 on.
@@ -66,12 +66,12 @@ impl Discretisation {
 }
 
 /// Steps, times and downward speeds of the settling disk in a box with this section of its long axis and this entry of its flow.
-fn fall(session: &Session, way: Discretisation, [axis, drive, inverse]: [&str; 3]) -> Result<(usize, Vec<(f64, f64)>)> {
-    let step = match way {
+fn fall(session: &Session, discretisation: Discretisation, [axis, drive, inverse]: [&str; 3]) -> Result<(usize, Vec<(f64, f64)>)> {
+    let step = match discretisation {
         Discretisation::Sharp(cells) | Discretisation::Adjoint(_, cells) => 0.4 / (8.0 * cells as f64) / 5.6,
         Discretisation::Fitted(_) => 0.0025,
     };
-    let sections = way.sections(inverse);
+    let sections = discretisation.sections(inverse);
     let text = format!(
         "gravity = [0.0, -980.0]\ndomain = {{ size = [2.0, 6.0], x = \"walls\", y = \"{axis}\" }}\n\
          flow = {{ model = \"navier-stokes\", viscosity = 0.1, density = 1.0{drive} }}\n\
@@ -92,11 +92,11 @@ fn largest_reynolds(curve: &[(f64, f64)]) -> f64 {
 }
 
 /// Without floor and lid, which transforms do not know: the disk falls as in the closed box but for a thousandth.
-pub fn settling_in_a_channel(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
-    let (steps, curve) = fall(session, way, ["periodic", ", drive = { mean_velocity = [0.0, 0.0] }", "transform"])?;
-    let row = Row {
+pub fn settling_in_a_channel(session: &Session, discretisation: Discretisation) -> Result<(usize, Vec<ComparisonRow>)> {
+    let (steps, curve) = fall(session, discretisation, ["periodic", ", drive = { mean_velocity = [0.0, 0.0] }", "transform"])?;
+    let row = ComparisonRow {
         case: "settling disk, channel without ends: largest Reynolds number".into(),
-        resolution: way.name(),
+        resolution: discretisation.name(),
         reference: Some(CHANNEL_REYNOLDS),
         found: largest_reynolds(&curve),
         source: "mesh that fits the disk, four edges a radius",
@@ -104,15 +104,20 @@ pub fn settling_in_a_channel(session: &Session, way: Discretisation) -> Result<(
     Ok((steps, vec![row]))
 }
 
-pub fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Row>)> {
-    let (steps, curve) = fall(session, way, ["walls", "", "hypre"])?;
+pub fn settling(session: &Session, discretisation: Discretisation) -> Result<(usize, Vec<ComparisonRow>)> {
+    let (steps, curve) = fall(session, discretisation, ["walls", "", "hypre"])?;
     let worst = SETTLING.iter().map(|&(time, speed)| (speed, interpolated(&curve, time)));
     let worst = worst.max_by(|one, other| (one.1 / one.0 - 1.0).abs().total_cmp(&(other.1 / other.0 - 1.0).abs()));
     let (reference, found) = worst.unwrap_or_default();
-    let resolution = way.name();
+    let resolution = discretisation.name();
     let source = "mesh that fits the disk, converged; Glowinski et al. (2001) find 17.27";
-    let row =
-        |case: &str, reference, found| Row { case: case.into(), resolution: resolution.clone(), reference: Some(reference), found, source };
+    let row = |case: &str, reference, found| ComparisonRow {
+        case: case.into(),
+        resolution: resolution.clone(),
+        reference: Some(reference),
+        found,
+        source,
+    };
     Ok((
         steps,
         vec![
@@ -122,9 +127,9 @@ pub fn settling(session: &Session, way: Discretisation) -> Result<(usize, Vec<Ro
     ))
 }
 
-pub fn couette(session: &Session, way: Discretisation, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<Row>)> {
-    let (viscosity, sections) = (0.125 * 0.125 / reynolds, way.sections("transform"));
-    let step = match way {
+pub fn couette(session: &Session, discretisation: Discretisation, reynolds: f64, known: [f64; 2]) -> Result<(usize, Vec<ComparisonRow>)> {
+    let (viscosity, sections) = (0.125 * 0.125 / reynolds, discretisation.sections("transform"));
+    let step = match discretisation {
         Discretisation::Sharp(cells) | Discretisation::Adjoint(_, cells) => 0.16 / cells as f64,
         Discretisation::Fitted(_) => 0.5,
     };
@@ -142,9 +147,9 @@ pub fn couette(session: &Session, way: Discretisation, reynolds: f64, known: [f6
         }
         Ok(())
     })?;
-    let row = |(place, case): (usize, &str)| Row {
+    let row = |(place, case): (usize, &str)| ComparisonRow {
         case: format!("free disk in a Couette cell, Re {reynolds}: {case}"),
-        resolution: way.name(),
+        resolution: discretisation.name(),
         reference: Some(known[place]),
         found: last[place],
         source: "mesh that fits the disk, 7 digits",
@@ -152,7 +157,10 @@ pub fn couette(session: &Session, way: Discretisation, reynolds: f64, known: [f6
     Ok((steps, ["spin over rate", "stress of the walls"].into_iter().enumerate().map(row).collect()))
 }
 
-pub fn sphere(session: &Session, (name, density, viscosity, speed, end): (&str, f64, f64, f64, f64)) -> Result<(usize, Vec<Row>)> {
+pub fn sphere(
+    session: &Session,
+    (name, density, viscosity, speed, end): (&str, f64, f64, f64, f64),
+) -> Result<(usize, Vec<ComparisonRow>)> {
     let text = format!(
         "gravity = [0.0, 0.0, -9.81]\ndomain = {{ size = [0.1, 0.1, 0.16], x = \"walls\", y = \"walls\", z = \"walls\" }}\n\
          flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = {density} }}\n\
@@ -166,7 +174,7 @@ pub fn sphere(session: &Session, (name, density, viscosity, speed, end): (&str, 
     })?;
     Ok((
         steps,
-        vec![Row {
+        vec![ComparisonRow {
             case: format!("settling sphere, {name}: largest speed"),
             resolution: "4 cells a radius, 3 modes".into(),
             reference: Some(speed),

@@ -10,7 +10,7 @@ use crate::{
 };
 
 /// A comparison with a known value.
-pub struct Row {
+pub struct ComparisonRow {
     /// What is compared.
     pub case: String,
     /// Cells and modes.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::{
     channel::{cylinder, vortices},
     falling::{Discretisation, couette, settling, settling_in_a_channel, sphere},
-    follow::Row,
+    follow::ComparisonRow,
     kissing::kissing,
     oscillation::{Oscillation, oscillating},
     places::{ARRAY, array, settling_drag},
@@ -73,9 +73,9 @@ pub const NAMES: [&str; 13] = [
 ];
 
 /// A case: its steps, and what it is compared with.
-type Run = Box<dyn Fn(&Session) -> Result<(usize, Vec<Row>)>>;
+type Run = Box<dyn Fn(&Session) -> Result<(usize, Vec<ComparisonRow>)>>;
 
-fn run(run: impl Fn(&Session) -> Result<(usize, Vec<Row>)> + 'static) -> Run {
+fn run(run: impl Fn(&Session) -> Result<(usize, Vec<ComparisonRow>)> + 'static) -> Run {
     Box::new(run)
 }
 
@@ -103,15 +103,17 @@ impl Family {
     fn runs(self) -> Vec<Run> {
         match self {
             Family::Settling => {
-                let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(4)];
-                ways.map(|way| run(move |session| settling(session, way))).into()
+                let discretisations =
+                    [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(4)];
+                discretisations.map(|discretisation| run(move |session| settling(session, discretisation))).into()
             }
             Family::Adjoint => ["mean-value", "distributed", "penalty"].into_iter().flat_map(of_first_order).collect(),
             Family::Couette => COUETTE
                 .iter()
                 .flat_map(|&(reynolds, spin, stress)| {
-                    let ways = [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(6)];
-                    ways.map(|way| run(move |session| couette(session, way, reynolds, [spin, stress])))
+                    let discretisations =
+                        [Discretisation::Sharp(4), Discretisation::Sharp(6), Discretisation::Sharp(8), Discretisation::Fitted(6)];
+                    discretisations.map(|discretisation| run(move |session| couette(session, discretisation, reynolds, [spin, stress])))
                 })
                 .collect(),
             Family::OscillatingDisk => oscillations::<2>(),
@@ -139,7 +141,7 @@ pub fn inertia(session: &Session, families: &[Family]) -> Result<()> {
         let start = Instant::now();
         let (steps, rows) = run(session)?;
         let seconds = session.world().max(start.elapsed().as_secs_f64());
-        for Row { case, resolution, reference, found, source } in rows {
+        for ComparisonRow { case, resolution, reference, found, source } in rows {
             let known = reference.map_or("- | ".into(), |reference| format!("{reference:.6} | "));
             let error = reference.map_or("-".into(), |reference| format!("{:+.3} %", 100.0 * (found / reference - 1.0)));
             say(&format!("| {case} | {resolution} | {known}{found:.6} | {error} | {steps} | {seconds:.1} | {source} |"))?;

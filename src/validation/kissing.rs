@@ -1,10 +1,10 @@
 //! Two disks that fall one behind the other until they meet: the box of Feng and Michaelides (2004), Journal of Computational Physics 195.
 
-use super::follow::{Row, follow};
+use super::follow::{ComparisonRow, follow};
 use crate::{error::Result, petsc::Session};
 
 /// The time at which they first press on each other. Nobody has published a number that others confirm.
-pub fn kissing(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
+pub fn kissing(session: &Session, cells: usize) -> Result<(usize, Vec<ComparisonRow>)> {
     let text = format!(
         "gravity = [0.0, -981.0]\ndomain = {{ size = [2.0, 8.0], x = \"walls\", y = \"walls\" }}\n\
          flow = {{ model = \"navier-stokes\", viscosity = 0.01, density = 1.0 }}\nresolution.cells_per_radius = {cells}\n\
@@ -18,7 +18,7 @@ pub fn kissing(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
         }
         Ok(())
     })?;
-    let row = Row {
+    let row = ComparisonRow {
         case: "two disks draft and kiss: time of their first contact".into(),
         resolution: format!("{cells} cells a radius"),
         reference: None,

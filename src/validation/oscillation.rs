@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex;
 
-use super::follow::{Row, follow};
+use super::follow::{ComparisonRow, follow};
 use crate::{error::Result, mechanics::BodyState, petsc::Session};
 
 /// Length of decay from the surface, in radii.
@@ -61,7 +61,7 @@ impl Oscillation {
 }
 
 /// Amplitude and phase of a body of radius 1 in a fluid of density 1 at an angular frequency of 1.
-pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation: Oscillation) -> Result<(usize, Vec<Row>)> {
+pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation: Oscillation) -> Result<(usize, Vec<ComparisonRow>)> {
     let viscosity = 0.5 * DECAY * DECAY;
     let modes = if D == 2 { cells } else { cells.min(4) };
     let (size, center) = (format!("{:?}", [SIDE[D - 2]; D]), format!("{:?}", [0.5 * SIDE[D - 2]; D]));
@@ -89,7 +89,7 @@ pub fn oscillating<const D: usize>(session: &Session, cells: usize, oscillation:
     let exact = load::<D>(oscillation, viscosity) * Complex::new(0.0, AMPLITUDE);
     let name = format!("{} that {}", if D == 2 { "disk" } else { "sphere" }, oscillation.verb());
     let unit = viscosity * AMPLITUDE;
-    let row = |what: &str, reference: f64, found: f64| Row {
+    let row = |what: &str, reference: f64, found: f64| ComparisonRow {
         case: format!("{name} to and fro: {what}"),
         resolution: format!("{cells} cells a radius, {modes} modes"),
         reference: Some(reference),

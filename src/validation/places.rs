@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::follow::{Row, follow};
+use super::follow::{ComparisonRow, follow};
 use crate::{error::Result, petsc::Session};
 
 /// Radius of a disk that takes up a fifth of a unit cell.
@@ -20,7 +20,11 @@ fn centers() -> Vec<[f64; 2]> {
 }
 
 /// The fixed disk of a square array at twelve places, by a method's word.
-pub fn array(session: &Session, (word, cells): (&'static str, usize), (reynolds, reference): (f64, f64)) -> Result<(usize, Vec<Row>)> {
+pub fn array(
+    session: &Session,
+    (word, cells): (&'static str, usize),
+    (reynolds, reference): (f64, f64),
+) -> Result<(usize, Vec<ComparisonRow>)> {
     let (viscosity, spacing) = (2.0 * RADIUS / reynolds, RADIUS / cells as f64);
     let (mut steps, mut found) = (0, Vec::new());
     for center in centers() {
@@ -37,7 +41,7 @@ pub fn array(session: &Session, (word, cells): (&'static str, usize), (reynolds,
             Ok(())
         })?;
     }
-    let row = |which: &str, found: f64| Row {
+    let row = |which: &str, found: f64| ComparisonRow {
         case: format!("fixed disk in a square array, Re {reynolds}, 12 places: {which} gradient over viscosity"),
         resolution: format!("`{word}`, {cells} cells a radius"),
         reference: Some(reference),
@@ -53,7 +57,7 @@ pub fn array(session: &Session, (word, cells): (&'static str, usize), (reynolds,
 const SETTLING_DRAG: f64 = 5.750_557;
 
 /// Four disks of diameter and settling velocity 1 that start a quarter of a cell apart along the channel.
-pub fn settling_drag(session: &Session, cells: usize) -> Result<(usize, Vec<Row>)> {
+pub fn settling_drag(session: &Session, cells: usize) -> Result<(usize, Vec<ComparisonRow>)> {
     let gravity = 0.5 * SETTLING_DRAG / (0.25 * PI);
     let (mut steps, mut rows) = (0, Vec::new());
     for place in 0..4 {
@@ -72,7 +76,7 @@ pub fn settling_drag(session: &Session, cells: usize) -> Result<(usize, Vec<Row>
             Ok(())
         })?;
         let velocity = (way[1][1] - way[0][1]) / (way[1][0] - way[0][0]);
-        rows.push(Row {
+        rows.push(ComparisonRow {
             case: format!("disk that settles in a channel, Re 10, place {}: coefficient of drag", place + 1),
             resolution: format!("{cells} cells a radius"),
             reference: Some(SETTLING_DRAG),

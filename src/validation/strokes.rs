@@ -1,6 +1,6 @@
 //! A disk that moves far to and fro, whose drag is rough as it passes points of the grid.
 
-use super::follow::{Row, follow, interpolated};
+use super::follow::{ComparisonRow, follow, interpolated};
 use crate::{error::Result, petsc::Session};
 
 /// Cells a radius of the run that counts as smooth and true.
@@ -40,10 +40,10 @@ fn roughness(curve: &[(f64, f64)]) -> f64 {
 }
 
 /// Drags on these grids, compared with those on the finest.
-pub fn strokes(session: &Session) -> Result<(usize, Vec<Row>)> {
+pub fn strokes(session: &Session) -> Result<(usize, Vec<ComparisonRow>)> {
     let within = |curve: &[(f64, f64)]| curve.iter().copied().filter(|(time, _)| (SPAN[0]..SPAN[1]).contains(time)).collect::<Vec<_>>();
     let largest = |curve: &[(f64, f64)]| curve.iter().map(|(_, drag)| drag.abs()).fold(0.0, f64::max);
-    let row = |cells: usize, case: &str, reference, found| Row {
+    let row = |cells: usize, case: &str, reference, found| ComparisonRow {
         case: format!("disk that moves to and fro, Re 100, KC 5: {case}"),
         resolution: format!("{cells} cells a radius"),
         reference,

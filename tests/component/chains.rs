@@ -239,27 +239,27 @@ fn sheared_cell(bend: f64, step: f64, end: f64) -> String {
 fn cells_keep_their_area_and_tread_or_tumble(session: &Session) {
     let way = |bend: f64| {
         let mut simulation = Simulation::<2>::new(session, &scene(&sheared_cell(bend, 0.1, 8.0))).unwrap();
-        let mut seen = Vec::new();
+        let mut observed = Vec::new();
         loop {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-            seen.push(MembraneNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).unwrap());
+            observed.push(MembraneNumbers::of(simulation.interactions(), &simulation.whole_state().centers()).unwrap());
             if simulation.over() {
-                break seen;
+                break observed;
             }
             simulation.step(&observation, &mut |_, _| {}).unwrap();
         }
     };
-    let turned = |seen: &[MembraneNumbers], of: &dyn Fn(&MembraneNumbers) -> f64, period: f64| -> f64 {
-        seen.windows(2).map(|pair| (of(&pair[1]) - of(&pair[0]) + 0.5 * period).rem_euclid(period) - 0.5 * period).sum()
+    let turned = |observed: &[MembraneNumbers], of: &dyn Fn(&MembraneNumbers) -> f64, period: f64| -> f64 {
+        observed.windows(2).map(|pair| (of(&pair[1]) - of(&pair[0]) + 0.5 * period).rem_euclid(period) - 0.5 * period).sum()
     };
     let (soft, stiff) = (way(0.00441), way(2.94));
-    for seen in [&soft, &stiff] {
-        let error = seen.iter().map(|numbers| numbers.kept[0].2).fold(0.0, f64::max);
+    for observed in [&soft, &stiff] {
+        let error = observed.iter().map(|numbers| numbers.kept[0].2).fold(0.0, f64::max);
         assert!(error < 1e-6, "area {error:e}");
     }
     let pi = std::f64::consts::PI;
-    let treads = [&soft, &stiff].map(|seen| turned(seen, &|numbers| numbers.tread, pi));
-    let turns = [&soft, &stiff].map(|seen| turned(seen, &|numbers| numbers.inclination, pi));
+    let treads = [&soft, &stiff].map(|observed| turned(observed, &|numbers| numbers.tread, pi));
+    let turns = [&soft, &stiff].map(|observed| turned(observed, &|numbers| numbers.inclination, pi));
     assert!(treads[0] < -0.4 && treads[1].abs() < 0.3, "membranes went around by {treads:?}");
     assert!(turns[0].abs() < 0.5 && turns[1] < -1.5, "cells turned by {turns:?}");
 }

@@ -35,7 +35,7 @@ fn scene(text: &str) -> Scene {
 const FLOW: &str = "flow = { model = \"stokes\", viscosity = 1.0 }\n";
 
 /// Clusters of all kinds between sliding walls, the walls' velocities being such.
-fn crowd(lubrication: &str) -> String {
+fn many_clusters(lubrication: &str) -> String {
     format!(
         "seed = 3\ndomain = {{ size = [10.0, 8.0], y = {{ lower = [-1.0, 0.0], upper = [1.0, 0.0] }} }}\n{FLOW}\
          resolution = {{ cells_per_radius = 4 }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-8 }}\n\
@@ -48,7 +48,7 @@ fn crowd(lubrication: &str) -> String {
 
 fn clusters_between_walls_are_rigid_and_their_stress_is_that_on_the_walls(session: &Session) {
     for lubrication in ["none", "pairwise"] {
-        let scene = scene(&crowd(lubrication));
+        let scene = scene(&many_clusters(lubrication));
         let mut suspension = Suspension::<2>::new(session, Setup::of(&scene).unwrap()).unwrap();
         let solution = suspension.solve(&mut |_, _| {}).unwrap();
         let viscosity = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap();
@@ -148,7 +148,7 @@ fn clusters_pressed_into_a_corner_do_not_overlap(session: &Session) {
     let mut most = 0;
     while !simulation.over() {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        most = most.max(observation.contacts.iter().filter(|pressed| pressed.force > 1.0).count());
+        most = most.max(observation.contacts.iter().filter(|active| active.force > 1.0).count());
         simulation.step(&observation, &mut |_, _| {}).unwrap();
         let centers = simulation.state().centers();
         for (one, other) in (0..5).flat_map(|one| (5..10).map(move |other| (one, other))) {
@@ -161,16 +161,16 @@ fn clusters_pressed_into_a_corner_do_not_overlap(session: &Session) {
 }
 
 fn clusters_without_room_are_refused(_: &Session) {
-    let told = |cluster: &str| {
+    let refusal_of = |cluster: &str| {
         let text = format!(
             "domain = {{ size = [8.0, 8.0] }}\n{FLOW}resolution = {{ cells_per_radius = 3 }}\nclusters = [{{ radius = 0.5, {cluster} }}]\n"
         );
         let Err(Error::Refused(refusal)) = Setup::<2>::of(&scene(&text)) else { panic!("{cluster} is not refused") };
         (refusal.key.clone().unwrap(), refusal.remedy.clone())
     };
-    let (key, remedy) = told("shape = \"triangle\", count = 26");
+    let (key, remedy) = refusal_of("shape = \"triangle\", count = 26");
     assert!(key == "clusters[0].count" && remedy.starts_with("leaves no place for number "), "{key} {remedy}");
-    let (key, remedy) = told("shape = \"rod\", beads = 9, count = 1");
+    let (key, remedy) = refusal_of("shape = \"rod\", beads = 9, count = 1");
     assert!(key == "clusters[0].radius" && remedy.starts_with("is of clusters 9 long, and domain.size is 8 at most"), "{key} {remedy}");
 }
 

@@ -155,19 +155,19 @@ fn memory_is_consistent(interaction: &dyn Interaction<2>) {
     };
     let Some(law) = interaction.contact().memory else { return };
     assert!(law.remember(&arrangement, &[], &[], 0.1).is_empty() && law.lower_bounds(&arrangement, &[], 0.1).is_empty());
-    let mut pressed: Vec<ContactForce<2>> =
+    let mut active_contacts: Vec<ContactForce<2>> =
         arrangement.near(0.5).into_iter().map(|contact| ContactForce::normal(contact, 1.0 + contact.gap)).collect();
-    pressed.sort_by_key(|pressed| pressed.contact.identity());
-    let memory = law.remember(&arrangement, &[], &pressed, 0.1);
+    active_contacts.sort_by_key(|active| active.contact.identity());
+    let memory = law.remember(&arrangement, &[], &active_contacts, 0.1);
     let bounds = law.lower_bounds(&arrangement, &memory, 0.1);
     assert_eq!(bounds.len(), memory.len());
     assert!(bounds.is_sorted_by_key(|bound| bound.contact.identity()));
     for bound in &bounds {
-        let before = pressed.iter().find(|pressed| pressed.contact.identity() == bound.contact.identity()).unwrap();
+        let before = active_contacts.iter().find(|active| active.contact.identity() == bound.contact.identity()).unwrap();
         assert!((bound.force + before.force).abs() < 1e-12, "a step takes back what the one before it pressed: {bound:?}");
     }
     // once taken back it is forgotten
-    let back: Vec<_> = pressed.iter().map(|pressed| ContactForce { force: -pressed.force, ..*pressed }).collect();
+    let back: Vec<_> = active_contacts.iter().map(|active| ContactForce { force: -active.force, ..*active }).collect();
     assert!(law.remember(&arrangement, &memory, &back, 0.1).is_empty());
 }
 
@@ -178,12 +178,12 @@ fn rows_are_balanced(session: &Session, interaction: &dyn Interaction<2>) {
     let grid = Grid::new(&domain, 0.25, world.size(), world.rank()).unwrap();
     let centers: Vec<_> = balls.iter().map(|ball| ball.center).collect();
     let layout = MultiplierLayout::new(&grid, &centers, &[13; 6], world.rank());
-    let crowd = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
+    let neighbourhood = Neighbourhood::alone(&domain, balls.clone(), vec![3; 6], Neighbourhood::reach(&balls));
     let Some(resistance) = interaction.resistance() else { return };
-    let rows = resistance.rows(&crowd, &layout);
+    let rows = resistance.rows(&neighbourhood, &layout);
     assert!(world.max(rows.films.len() as f64) > 0.0, "{interaction:?}");
     assert!(rows.imbalance < 1e-12, "{}", rows.imbalance);
-    assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|way| way.resistance > 0.0));
+    assert!(rows.films.iter().flat_map(|film| &film.relative_modes).all(|mode| mode.resistance > 0.0));
 }
 
 fn time(end: f64) -> TimeSection {

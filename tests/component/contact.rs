@@ -96,10 +96,10 @@ fn a_squeeze_is_the_same_error_on_all_ranks(session: &Session) {
 }
 
 /// Bodies with their weights and the velocities that they want.
-type Crowd<const D: usize> = (Vec<Ball<D>>, Vec<f64>, Vec<SVector<f64, D>>);
+type RandomBodies<const D: usize> = (Vec<Ball<D>>, Vec<f64>, Vec<SVector<f64, D>>);
 
 /// Balls of several sizes that do not overlap, some of them held, with random velocities.
-fn crowd<const D: usize>(domain: &Domain<D>, tries: usize, speed: f64, seed: u64) -> Crowd<D> {
+fn random_bodies<const D: usize>(domain: &Domain<D>, tries: usize, speed: f64, seed: u64) -> RandomBodies<D> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut balls: Vec<Ball<D>> = Vec::new();
     for _ in 0..tries {
@@ -130,17 +130,17 @@ fn crowds_move_alike_on_any_number_of_ranks(session: &Session) {
     let mut together = false;
     for (seed, domain) in domains.iter().enumerate() {
         for speed in [0.3, 4.0] {
-            together |= assert_moves_alike(session, domain, &crowd(domain, 400, speed, seed as u64));
+            together |= assert_moves_alike(session, domain, &random_bodies(domain, 400, speed, seed as u64));
         }
     }
     let wall = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
     let room = Domain { size: [7.0, 6.0, 5.0].into(), axes: [Axis::Periodic, Axis::Periodic, wall] };
-    together |= assert_moves_alike(session, &room, &crowd(&room, 400, 2.0, 9));
+    together |= assert_moves_alike(session, &room, &random_bodies(&room, 400, 2.0, 9));
     assert_eq!(together, session.world().size() > 1);
 }
 
 /// However islands that span ranks are solved, the answer is that of one rank; tells whether ranks solved one together.
-fn assert_moves_alike<const D: usize>(session: &Session, domain: &Domain<D>, (balls, weights, velocities): &Crowd<D>) -> bool {
+fn assert_moves_alike<const D: usize>(session: &Session, domain: &Domain<D>, (balls, weights, velocities): &RandomBodies<D>) -> bool {
     let problem = Problem { domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[], cluster_of: &[] };
     let share = ProblemShare { problem, regions: &Regions::new(domain, 1), spanning: Spanning::Gathered };
     let alone = project_share(Peers::Alone, &share, &Memory::default()).unwrap().projection;

@@ -22,7 +22,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// A periodic crowd in shear.
-fn crowd(dimension: u32, (count, fraction, gap): (usize, f64, f64), inverse: &str) -> String {
+fn dense_suspension(dimension: u32, (count, fraction, gap): (usize, f64, f64), inverse: &str) -> String {
     let volume = if dimension == 2 { std::f64::consts::PI } else { 4.0 / 3.0 * std::f64::consts::PI };
     let side = (count as f64 * volume / fraction).powf(1.0 / f64::from(dimension));
     let (size, cells) = (vec![side.to_string(); dimension as usize].join(", "), if dimension == 2 { 5 } else { 4 });
@@ -48,15 +48,15 @@ fn iterations<const D: usize>(session: &Session, text: &str) -> usize {
 /// Measured: 16 and 18 for disks by transforms, 46 and 58 by multigrid, 12 and 14 for spheres.
 fn thinner_films_take_no_more_iterations(session: &Session) {
     for inverse in ["transform", "hypre"] {
-        let [wide, thin] = [0.1, 1e-4].map(|gap| iterations::<2>(session, &crowd(2, (60, 0.5, gap), inverse)));
+        let [wide, thin] = [0.1, 1e-4].map(|gap| iterations::<2>(session, &dense_suspension(2, (60, 0.5, gap), inverse)));
         assert!(thin <= 2 * wide && thin <= if inverse == "hypre" { 60 } else { 30 }, "disks, {inverse}: {wide} and {thin}");
     }
-    let [wide, thin] = [0.1, 1e-4].map(|gap| iterations::<3>(session, &crowd(3, (20, 0.3, gap), "transform")));
+    let [wide, thin] = [0.1, 1e-4].map(|gap| iterations::<3>(session, &dense_suspension(3, (20, 0.3, gap), "transform")));
     assert!(thin <= 2 * wide && thin <= 30, "spheres: {wide} and {thin}");
 }
 
 fn more_disks_take_few_more_iterations(session: &Session) {
-    let [few, many] = [100, 800].map(|count| iterations::<2>(session, &crowd(2, (count, 0.5, 0.01), "transform")));
+    let [few, many] = [100, 800].map(|count| iterations::<2>(session, &dense_suspension(2, (count, 0.5, 0.01), "transform")));
     assert!(many as f64 <= 1.3 * few as f64 && many <= 30, "{few} and {many}");
 }
 
@@ -74,6 +74,6 @@ fn disks_between_walls_take_few_iterations(session: &Session) {
 }
 
 fn many_spheres_are_solved_loosely_inside_a_flexible_method(session: &Session) {
-    let found = iterations::<3>(session, &crowd(3, (510, 0.4, 0.01), "transform"));
+    let found = iterations::<3>(session, &dense_suspension(3, (510, 0.4, 0.01), "transform"));
     assert!(found <= 40, "{found}");
 }

@@ -194,7 +194,7 @@ fn the_impulse_of_the_floor_takes_the_momentum_that_gravity_gave(session: &Sessi
         let mut impulse = 0.0;
         for _ in 0..steps {
             step(&mut simulation);
-            impulse += simulation.whole_state().held.iter().map(|held| held.force * length).sum::<f64>();
+            impulse += simulation.whole_state().contact_history.iter().map(|contact| contact.force * length).sum::<f64>();
         }
         let pushed = length * f64::from(steps) - if scheme == Scheme::Euler { 0.0 } else { 0.5 * length };
         let expected = 0.4 + GRAVITY * pushed;

@@ -19,7 +19,7 @@ pub fn tests() -> Vec<Test> {
 
 /// What was seen of a run in which gravity 1 acts along the last axis.
 #[derive(Debug)]
-struct Seen {
+struct Observed {
     /// Energy of motion, of height and of bonds, halfway through each step, where velocities live.
     energies: Vec<f64>,
     /// The largest part by which a measure of a membrane is off.
@@ -31,10 +31,10 @@ struct Seen {
 }
 
 /// Runs a dry scene of bodies whose mass is `pi r^2` (2D) or `4/3 pi r^3`, with fixed steps.
-fn run<const D: usize>(session: &Session, text: &str) -> Seen {
+fn run<const D: usize>(session: &Session, text: &str) -> Observed {
     let scene = Scene::parse("cells", Path::new("."), text, &[]).unwrap();
     let mut simulation = Simulation::<D>::new(session, &scene).unwrap();
-    let mut seen = Seen { energies: Vec::new(), missed: 0.0, smallest_gap: f64::INFINITY, fastest: 0.0 };
+    let mut observed = Observed { energies: Vec::new(), missed: 0.0, smallest_gap: f64::INFINITY, fastest: 0.0 };
     let mut before = stored(&simulation);
     while !simulation.over() {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
@@ -42,16 +42,16 @@ fn run<const D: usize>(session: &Session, text: &str) -> Seen {
         let after = stored(&simulation);
         let state = simulation.whole_state().into_owned();
         let speeds = state.bodies.iter().zip(masses(&simulation)).map(|(body, mass)| 0.5 * mass * body.twist.velocity.norm_squared());
-        seen.energies.push(speeds.sum::<f64>() + 0.5 * (before + after));
+        observed.energies.push(speeds.sum::<f64>() + 0.5 * (before + after));
         before = after;
         for kept in simulation.interactions().conserved() {
             let found = kept.measured(&|body: usize| state.bodies[body].center);
-            seen.missed = seen.missed.max((found / kept.value - 1.0).abs());
+            observed.missed = observed.missed.max((found / kept.value - 1.0).abs());
         }
-        seen.smallest_gap = seen.smallest_gap.min(smallest_gap(&simulation));
-        seen.fastest = state.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
+        observed.smallest_gap = observed.smallest_gap.min(smallest_gap(&simulation));
+        observed.fastest = state.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
     }
-    seen
+    observed
 }
 
 fn masses<const D: usize>(simulation: &Simulation<D>) -> Vec<f64> {
@@ -66,7 +66,7 @@ fn stored<const D: usize>(simulation: &Simulation<D>) -> f64 {
     height + ChainNumbers::of(simulation.interactions(), &centers).unwrap().bond_energy
 }
 
-impl Seen {
+impl Observed {
     /// Whether nothing overlaps, measures stay to a part, and no step gains more than a part of the energy.
     fn proof(&self, kept: f64, gain: f64) {
         assert!(self.smallest_gap > -1e-9 && self.missed < kept, "gap {:e}, missed {:e}", self.smallest_gap, self.missed);
@@ -86,23 +86,23 @@ fn falling(stretch: &str, end: f64) -> String {
 }
 
 fn a_cell_on_rods_falls_on_the_floor_and_comes_to_rest(session: &Session) {
-    let seen = run::<2>(session, &falling("\"rigid\"", 40.0));
-    seen.proof(1e-7, 1e-3);
-    assert!(seen.fastest < 1e-3, "{}", seen.fastest);
+    let observed = run::<2>(session, &falling("\"rigid\"", 40.0));
+    observed.proof(1e-7, 1e-3);
+    assert!(observed.fastest < 1e-3, "{}", observed.fastest);
 }
 
 fn a_cell_on_soft_springs_falls_on_the_floor_and_comes_to_rest(session: &Session) {
-    let seen = run::<2>(session, &falling("15.75", 40.0));
-    seen.proof(1e-7, 1e-3);
-    assert!(seen.fastest < 1e-3, "{}", seen.fastest);
+    let observed = run::<2>(session, &falling("15.75", 40.0));
+    observed.proof(1e-7, 1e-3);
+    assert!(observed.fastest < 1e-3, "{}", observed.fastest);
 }
 
 fn a_cell_in_space_falls_on_the_floor_and_keeps_its_volume(session: &Session) {
     let text = "gravity = [0.0, 0.0, -1.0]\ndomain = { size = [8.0, 8.0, 8.0], z = \"walls\" }\nflow = { model = \"none\" }\ncontact = { model = \"inelastic\" }\n\
                 cells = [{ centers = [[4.0, 4.0, 4.5]], rotation = [0.5, 0.2, 0.0], beads = 42, radius = 0.25, stretch = 46.2, bend = 1.732 }]\n\
                 time = { end = 6.0, step = 0.02 }\n";
-    let seen = run::<3>(session, text);
-    seen.proof(1e-6, 1e-3);
+    let observed = run::<3>(session, text);
+    observed.proof(1e-6, 1e-3);
 }
 
 fn cells_that_fall_on_each_other_keep_their_areas(session: &Session) {

@@ -115,7 +115,12 @@ pub fn energy<const D: usize>(simulation: &Simulation<D>, bodies: &[GranularBody
 /// Normal forces of contacts with the lower wall along an axis, over a unit.
 pub fn on_wall<const D: usize>(state: &State<D>, wall: usize, unit: f64) -> Vec<f64> {
     let of_wall = |partner: Partner| matches!(partner, Partner::Wall { axis, upper: false } if axis == wall);
-    let mut forces: Vec<_> = state.held.iter().filter(|held| of_wall(held.partner)).map(|held| (held.body, held.force / unit)).collect();
+    let mut forces: Vec<_> = state
+        .contact_history
+        .iter()
+        .filter(|contact| of_wall(contact.partner))
+        .map(|contact| (contact.body, contact.force / unit))
+        .collect();
     forces.sort_by_key(|force| force.0);
     forces.into_iter().map(|(_, force)| force).collect()
 }
@@ -211,9 +216,9 @@ fn the_forces_of_a_tower_are_the_weights_above(session: &Session) {
     let mut simulation = start(session, channel(30.0), &bodies, 0.5, 0.05);
     steps(&mut simulation, 20);
     assert!(fastest(&simulation) < 1e-10, "{:e}", fastest(&simulation));
-    for held in &simulation.whole_state().held {
-        let above = if let Partner::Body(_) = held.partner { 9 - held.body } else { 10 };
-        assert!((held.force / PI - above as f64).abs() < 1e-9, "{} {}", held.force / PI, above);
+    for contact in &simulation.whole_state().contact_history {
+        let above = if let Partner::Body(_) = contact.partner { 9 - contact.body } else { 10 };
+        assert!((contact.force / PI - above as f64).abs() < 1e-9, "{} {}", contact.force / PI, above);
     }
 }
 
@@ -287,8 +292,8 @@ fn a_wedge_holds_a_disk_by_forces_between_the_bounds(session: &Session) {
         assert!(fastest(&simulation) < 1e-9, "{:e}", fastest(&simulation));
         let least = 1.0 / (2.0 * (alpha.sin() + mu * alpha.cos()));
         let most = 1.0 / (2.0 * (alpha.sin() - mu * alpha.cos())).max(0.0);
-        for held in &simulation.whole_state().held {
-            let force = held.force / PI;
+        for contact in &simulation.whole_state().contact_history {
+            let force = contact.force / PI;
             assert!(force > least - 1e-7 && force < most + 1e-7, "{force} between {least} and {most}");
         }
     }
@@ -338,8 +343,8 @@ fn falling(session: &Session, count: usize) -> Simulation<2> {
 
 /// By how much tangential forces exceed the largest that normal ones allow, over the largest of all; they do not, however well friction was solved.
 fn outside_cone<const D: usize>(state: &State<D>, friction: f64) -> f64 {
-    let largest = state.held.iter().map(|held| held.force).fold(0.0, f64::max);
-    let excess = state.held.iter().map(|held| held.tangential.norm() - friction * held.force);
+    let largest = state.contact_history.iter().map(|contact| contact.force).fold(0.0, f64::max);
+    let excess = state.contact_history.iter().map(|contact| contact.tangential.norm() - friction * contact.force);
     excess.fold(0.0, f64::max) / largest.max(f64::MIN_POSITIVE)
 }
 
@@ -398,7 +403,7 @@ fn a_restart_repeats_a_run(session: &Session) {
     steps(&mut second, 25);
     let (one, two) = (whole.whole_state(), second.whole_state());
     assert!(
-        !one.held.iter().all(|held| held.tangential == SVector::<f64, 2>::zeros()) && *one == *two,
+        !one.contact_history.iter().all(|contact| contact.tangential == SVector::<f64, 2>::zeros()) && *one == *two,
         "a run that was interrupted is another one"
     );
 }

@@ -12,7 +12,7 @@ use turbid::{
 
 use crate::{
     Test,
-    friction_in_flow::{crowd, forces, on_a_floor, rubbing_by, step},
+    friction_in_flow::{dense_suspension, forces, on_a_floor, rubbing_by, step},
 };
 
 /// The tests of this file.
@@ -82,16 +82,16 @@ fn a_heavy_disk_in_a_thin_fluid_is_slowed_by_what_exceeds_the_load(session: &Ses
 
 fn no_contact_of_a_crowd_exceeds_its_bound(session: &Session) {
     let law = FrictionLaw { critical_load: 30.0, ..FrictionLaw::plain(0.7) };
-    let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+    let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
     let (mut solves, mut of_each) = (0, [0; 2]);
     for number in 0..25 {
         let (observation, report) = step(&mut simulation);
         assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
-        let largest = forces(&observation).iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
-        for (pressed, side) in forces(&observation) {
-            let bound = law.coefficient * (pressed.force - law.critical_load).max(0.0);
+        let largest = forces(&observation).iter().map(|(active, _)| active.force).fold(0.0, f64::max);
+        for (active, side) in forces(&observation) {
+            let bound = law.coefficient * (active.force - law.critical_load).max(0.0);
             assert!(side.norm() < bound + 1e-3 * largest, "{} of {bound}", side.norm());
-            of_each[usize::from(pressed.force > law.critical_load)] += 1;
+            of_each[usize::from(active.force > law.critical_load)] += 1;
         }
         solves += observation.effort.solves;
     }
@@ -100,7 +100,7 @@ fn no_contact_of_a_crowd_exceeds_its_bound(session: &Session) {
 
 fn small_loads_are_next_to_none_and_large_ones_next_to_no_friction(session: &Session) {
     let run = |law: FrictionLaw| {
-        let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+        let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
         (0..15).for_each(|_| _ = step(&mut simulation));
         simulation.state().centers()
     };

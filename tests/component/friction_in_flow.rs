@@ -83,14 +83,14 @@ pub fn step<const D: usize>(simulation: &mut Simulation<D>) -> (Observation<D>, 
 
 /// Normal and tangential force of the contacts of an observation.
 pub fn forces<const D: usize>(observation: &Observation<D>) -> Vec<(ContactForce<D>, SVector<f64, D>)> {
-    observation.contacts.iter().filter(|pressed| pressed.force > 0.0).map(|pressed| (*pressed, pressed.tangential)).collect()
+    observation.contacts.iter().filter(|active| active.force > 0.0).map(|active| (*active, active.tangential)).collect()
 }
 
 /// Slip, tangential over normal force, velocity and normal force of a ball that is pulled to the floor of a box in shear.
 pub fn on_a_floor<const D: usize>(session: &Session, seen: (SVector<f64, D>, f64), weight: f64, law: FrictionLaw) -> [f64; 4] {
-    let (pressed, twist) = pressed_on_a_floor(session, seen, (weight, SMatrix::zeros()), law);
-    let arm = pressed.contact.normal * pressed.contact.separation;
-    [twist.at(&arm)[0], pressed.tangential[0] / pressed.force, twist.velocity[0], pressed.force]
+    let (active, twist) = pressed_on_a_floor(session, seen, (weight, SMatrix::zeros()), law);
+    let arm = active.contact.normal * active.contact.separation;
+    [twist.at(&arm)[0], active.tangential[0] / active.force, twist.velocity[0], active.force]
 }
 
 /// The contact of a ball that is pulled to the floor of a box in shear and turned by a torque, and its motion; forces and torques balance.
@@ -108,12 +108,12 @@ pub fn pressed_on_a_floor<const D: usize>(
     (0..3).for_each(|_| _ = step(&mut simulation));
     let (observation, report) = step(&mut simulation);
     let (twist, fluid) = (observation.twists[0], observation.solution.as_ref().unwrap().bodies[0]);
-    let [(pressed, side)] = forces(&observation)[..] else { panic!("{:?}", observation.contacts) };
-    assert_eq!(pressed.contact.partner, Partner::Wall { axis: D - 1, upper: false });
-    let on_wall = pressed.contact.normal * pressed.force + side;
+    let [(active, side)] = forces(&observation)[..] else { panic!("{:?}", observation.contacts) };
+    assert_eq!(active.contact.partner, Partner::Wall { axis: D - 1, upper: false });
+    let on_wall = active.contact.normal * active.force + side;
     assert!((fluid.force + down - on_wall).norm() < 1e-5 * weight, "{} {down} {on_wall}", fluid.force);
-    let arm = pressed.contact.normal * pressed.contact.separation;
-    let by_wall = -on_wall * arm.transpose() + arm * on_wall.transpose() - pressed.couple;
+    let arm = active.contact.normal * active.contact.separation;
+    let by_wall = -on_wall * arm.transpose() + arm * on_wall.transpose() - active.couple;
     assert!((fluid.torque + torque + by_wall).norm() < 1e-5 * weight, "{} {by_wall}", fluid.torque);
     // gaps are kept where bodies touch, at half of the roughness
     let height = simulation.state().bodies[0].center[D - 1];
@@ -127,7 +127,7 @@ pub fn pressed_on_a_floor<const D: usize>(
         observe::viscosity(flow.setup(), flow.grid(), observation.solution.as_ref().unwrap(), &observation.contacts).unwrap().unwrap();
     let (sum, walls) = (viscosity.relative(), viscosity.from_walls.unwrap());
     assert!((sum / walls - 1.0).abs() < 1e-5, "{sum} {walls}");
-    (pressed, twist)
+    (active, twist)
 }
 
 fn a_disk_on_a_wall_in_shear_is_in_balance_and_rolls_or_slips_as_the_law_says(session: &Session) {
@@ -151,7 +151,7 @@ fn rolls_or_slips(on_a_floor: impl Fn(f64) -> [f64; 4]) {
 }
 
 /// Disks between walls in shear, at a fraction of 0.6, with films cut at the roughness.
-pub fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
+pub fn dense_suspension(count: usize, seed: u64, rate: f64) -> Setup<2> {
     let size = Vector2::new(8.0, count as f64 * std::f64::consts::PI / 0.6 / 8.0);
     let still = between_walls::<2>(size, rate, 0.25, Vec::new());
     let centers: Vec<Vector2<f64>> = pack(&still.domain, &[] as &[Ball<2>], &vec![1.0; count], 0.03, seed).unwrap();
@@ -161,7 +161,7 @@ pub fn crowd(count: usize, seed: u64, rate: f64) -> Setup<2> {
 
 /// Where a crowd is after some steps with friction, and what happens there.
 pub fn sheared(session: &Session, law: FrictionLaw, steps: usize) -> (Simulation<2>, Observation<2>) {
-    let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+    let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
     (0..steps).for_each(|_| _ = step(&mut simulation));
     let observation = evaluate(&mut simulation);
     (simulation, observation)
@@ -174,13 +174,13 @@ fn what_contacts_exert_is_what_the_flow_feels(session: &Session) {
 
 /// The same of a crowd of 11 that was sheared.
 pub fn is_what_the_flow_feels(session: &Session, (simulation, observation): (Simulation<2>, Observation<2>)) {
-    let held = forces(&observation);
-    assert!(held.len() >= 3, "{} contacts", held.len());
+    let active_contacts = forces(&observation);
+    assert!(active_contacts.len() >= 3, "{} contacts", active_contacts.len());
     let mut expected = vec![(Vector2::zeros(), SMatrix::<f64, 2, 2>::zeros()); 11];
-    for (pressed, side) in &held {
-        let (contact, force) = (pressed.contact, pressed.contact.normal * pressed.force + side);
-        expected[contact.body].1 -= pressed.couple;
-        contact.other().into_iter().for_each(|other| expected[other].1 += pressed.couple);
+    for (active, side) in &active_contacts {
+        let (contact, force) = (active.contact, active.contact.normal * active.force + side);
+        expected[contact.body].1 -= active.couple;
+        contact.other().into_iter().for_each(|other| expected[other].1 += active.couple);
         let whole = |radius: f64| contact.other().map_or(contact.separation, |_| 0.5 * contact.separation * radius);
         let mut add = |body: usize, push: Vector2<f64>, arm: Vector2<f64>| {
             expected[body].0 += push;
@@ -191,12 +191,12 @@ pub fn is_what_the_flow_feels(session: &Session, (simulation, observation): (Sim
             add(other, force, -contact.normal * whole(1.0));
         }
     }
-    let mut given = crowd(11, 5, 1.0);
+    let mut given = dense_suspension(11, 5, 1.0);
     for (suspended, (moving, twist)) in given.bodies.iter_mut().zip(simulation.state().bodies.iter().zip(&observation.twists)) {
         suspended.body.ball.center = moving.center;
         suspended.body.motion = Motion::Prescribed(*twist);
     }
-    let largest = held.iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
+    let largest = active_contacts.iter().map(|(active, _)| active.force).fold(0.0, f64::max);
     let (_, solution) = solve(session, given);
     for (state, (force, torque)) in solution.bodies.iter().zip(&expected) {
         assert!((state.force + force).norm() < 1e-6 * largest, "{} {force} of {largest}", state.force);
@@ -206,7 +206,7 @@ pub fn is_what_the_flow_feels(session: &Session, (simulation, observation): (Sim
 
 fn little_friction_is_next_to_none(session: &Session) {
     let run = |coefficient: f64| {
-        let mut simulation = rubbing(session, crowd(11, 5, 1.0), coefficient, 0.03);
+        let mut simulation = rubbing(session, dense_suspension(11, 5, 1.0), coefficient, 0.03);
         (0..8).for_each(|_| {
             let observation = evaluate(&mut simulation);
             simulation.step(&observation, &mut |_, _| {}).unwrap();
@@ -220,13 +220,13 @@ fn little_friction_is_next_to_none(session: &Session) {
 
 fn nothing_overlaps_and_contacts_take_energy(session: &Session) {
     for coefficient in [0.3, 1.0] {
-        let mut simulation = rubbing(session, crowd(11, 5, 1.0), coefficient, 0.03);
+        let mut simulation = rubbing(session, dense_suspension(11, 5, 1.0), coefficient, 0.03);
         let (mut solves, mut held) = (0, 0);
         for number in 0..25 {
             let (observation, report) = step(&mut simulation);
             assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
-            for (pressed, side) in forces(&observation) {
-                assert!(side.dot(&pressed.contact.normal).abs() < 1e-9 * pressed.force);
+            for (active, side) in forces(&observation) {
+                assert!(side.dot(&active.contact.normal).abs() < 1e-9 * active.force);
             }
             (solves, held) = (solves + observation.effort.solves, held + report.sticking + report.slipping);
         }
@@ -254,7 +254,7 @@ fn after_reversal_the_viscosity_is_that_without_contacts(session: &Session) {
     let (simulation, before) = sheared(session, FrictionLaw::plain(0.7), 22);
     assert!(forces(&before).len() >= 3);
     let there = |rate: f64| {
-        let mut setup = crowd(11, 5, rate);
+        let mut setup = dense_suspension(11, 5, rate);
         for (suspended, moving) in setup.bodies.iter_mut().zip(&simulation.state().bodies) {
             suspended.body.ball.center = moving.center;
         }
@@ -270,9 +270,10 @@ fn after_reversal_the_viscosity_is_that_without_contacts(session: &Session) {
     let alone = Setup { interactions: there(1.0).interactions, ..there(1.0) };
     let (suspension, solution) = solve(session, alone);
     let without = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().relative();
-    let (found, pressed) = (viscosity(reversed.suspension().unwrap(), &after), viscosity(simulation.suspension().unwrap(), &before));
+    let (found, viscosity_with_contacts) =
+        (viscosity(reversed.suspension().unwrap(), &after), viscosity(simulation.suspension().unwrap(), &before));
     assert!((found / without - 1.0).abs() < 1e-6, "{found} {without}");
-    assert!(pressed > 1.02 * without, "{pressed} {without}");
+    assert!(viscosity_with_contacts > 1.02 * without, "{viscosity_with_contacts} {without}");
 }
 
 /// The same run in other units of length, time and force, moved along the walls by whole cells, and with bodies in another order.
@@ -288,18 +289,18 @@ fn units_places_and_the_order_of_bodies_do_not_matter(session: &Session) {
         heights.sort_by(f64::total_cmp);
         (viscosity, heights)
     };
-    let (plain, heights) = last(crowd(11, 5, 1.0), 0.03, 1.0);
-    let mut scaled = crowd(11, 5, 1.0);
+    let (plain, heights) = last(dense_suspension(11, 5, 1.0), 0.03, 1.0);
+    let mut scaled = dense_suspension(11, 5, 1.0);
     scaled.domain.size *= 3.0;
     scaled.domain.axes[1] = Axis::Walls { lower: Vector2::zeros(), upper: Vector2::x() * (scaled.domain.size[1] * 2.0) };
     (scaled.spacing, scaled.viscosity) = (scaled.spacing * 3.0, 0.2);
     for suspended in &mut scaled.bodies {
         (suspended.body.ball.center, suspended.body.ball.radius) = (suspended.body.ball.center * 3.0, 3.0);
     }
-    let mut moved = crowd(11, 5, 1.0);
+    let mut moved = dense_suspension(11, 5, 1.0);
     let cell = moved.domain.size[0] / (moved.domain.size[0] / moved.spacing).round();
     moved.bodies.iter_mut().for_each(|suspended| suspended.body.ball.center[0] += 7.0 * cell);
-    let mut ordered = crowd(11, 5, 1.0);
+    let mut ordered = dense_suspension(11, 5, 1.0);
     ordered.bodies.reverse();
     for (what, (setup, length_of_step, length)) in
         [("scaled", (scaled, 0.015, 3.0)), ("moved", (moved, 0.03, 1.0)), ("ordered", (ordered, 0.03, 1.0))]
@@ -313,8 +314,8 @@ fn units_places_and_the_order_of_bodies_do_not_matter(session: &Session) {
 
 fn a_restart_goes_on_from_the_forces_of_the_last_step(session: &Session) {
     let (mut simulation, _) = sheared(session, FrictionLaw::plain(0.7), 20);
-    let mut again = rubbing(session, crowd(11, 5, 1.0), 0.7, 0.03);
-    assert!(simulation.state().held.iter().any(|held| held.tangential != SVector::<f64, 2>::zeros()));
+    let mut again = rubbing(session, dense_suspension(11, 5, 1.0), 0.7, 0.03);
+    assert!(simulation.state().contact_history.iter().any(|held| held.tangential != SVector::<f64, 2>::zeros()));
     again.restore(simulation.state().clone(), History::default()).unwrap();
     (0..3).for_each(|_| _ = (step(&mut simulation), step(&mut again)));
     let apart = simulation.state().bodies.iter().zip(&again.state().bodies).map(|(one, other)| (one.center - other.center).norm());
@@ -339,8 +340,8 @@ fn spheres_in_a_sheared_box_obey_the_law(session: &Session) {
     for number in 0..4 {
         let (observation, report) = step(&mut simulation);
         assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
-        for (pressed, side) in forces(&observation) {
-            assert!(side.norm() <= 0.5 * pressed.force * (1.0 + 1e-3) && side.dot(&pressed.contact.normal).abs() < 1e-9 * pressed.force);
+        for (active, side) in forces(&observation) {
+            assert!(side.norm() <= 0.5 * active.force * (1.0 + 1e-3) && side.dot(&active.contact.normal).abs() < 1e-9 * active.force);
         }
         held += report.sticking + report.slipping;
     }

@@ -97,9 +97,9 @@ fn a_rod_on_one_contact_obeys_the_law_below_and_above_the_limit_of_painleve(sess
             // the belt slides from under the rod along its own way: that much along the normal closes the contact, or opens it
             let along = mobility[(0, 0)] + belt * mu * mobility[(0, 1)];
             if part < 1.0 && report.slipping == 1 {
-                let held = simulation.whole_state().held[0];
+                let contact = simulation.whole_state().contact_history[0];
                 let exact = 2.0 * std::f64::consts::PI / along;
-                assert!((held.force / exact - 1.0).abs() < 1e-2, "{} for {exact}", held.force);
+                assert!((contact.force / exact - 1.0).abs() < 1e-2, "{} for {exact}", contact.force);
             }
         }
     }
@@ -182,5 +182,5 @@ fn a_restart_repeats_a_run(session: &Session) {
     let residual = steps(&mut second, 20);
     assert!(residual < FrictionReport::TOLERANCE_IN_FLOW);
     let (one, two) = (whole.whole_state(), second.whole_state());
-    assert!(!one.held.is_empty() && *one == *two, "a run that was interrupted is another one");
+    assert!(!one.contact_history.is_empty() && *one == *two, "a run that was interrupted is another one");
 }

@@ -12,7 +12,7 @@ use crate::{
     Test,
     friction_by_law_in_flow::speeds,
     friction_in_flow::{
-        crowd, evaluate, forces, is_what_the_flow_feels, pressed_on_a_floor, rubbing_by, sheared, spheres, step, stresses_add_up,
+        dense_suspension, evaluate, forces, is_what_the_flow_feels, pressed_on_a_floor, rubbing_by, sheared, spheres, step, stresses_add_up,
     },
 };
 
@@ -31,12 +31,12 @@ pub fn tests() -> Vec<Test> {
     ]
 }
 
-const CROWD: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0 };
+const ROLLING_AND_SLIDING: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0 };
 
 /// The couple of a contact over its normal force and the radius of a ball that touches at its roughness.
-fn ratio<const D: usize>(pressed: &ContactForce<D>) -> f64 {
-    let couple = components(&pressed.couple).iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-    couple / (pressed.force * pressed.contact.separation)
+fn ratio<const D: usize>(active: &ContactForce<D>) -> f64 {
+    let couple = components(&active.couple).iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+    couple / (active.force * active.contact.separation)
 }
 
 /// A ball on the floor of a box in shear rests where friction is enough and the couple that rest takes is below its bound; else it rolls with just the bound.
@@ -45,22 +45,22 @@ fn rests_or_rolls<const D: usize>(session: &Session, size: SVector<f64, D>, spac
         let law = FrictionLaw { coefficient: 10.0, rolling, twisting: 0.0, critical_load };
         pressed_on_a_floor(session, (size, spacing), (20.0, SMatrix::zeros()), law)
     };
-    let slip = |twist: &Twist<D>, pressed: &ContactForce<D>| twist.at(&(pressed.contact.normal * pressed.contact.separation)).norm();
-    let (pressed, twist) = found(10.0);
-    let needed = ratio(&pressed);
+    let slip = |twist: &Twist<D>, active: &ContactForce<D>| twist.at(&(active.contact.normal * active.contact.separation)).norm();
+    let (active, twist) = found(10.0);
+    let needed = ratio(&active);
     assert!(twist.velocity.norm() < 1e-5 && twist.spin.norm() < 1e-5 && needed > 0.02, "{} {needed}", twist.velocity);
-    let above_load = (pressed.force - critical_load) / pressed.force;
+    let above_load = (active.force - critical_load) / active.force;
     for part in [0.5, 0.98] {
-        let (pressed, twist) = found(part * needed / above_load);
-        let bound = part * needed / above_load * (pressed.force - critical_load) / pressed.force;
-        let couple = ratio(&pressed);
+        let (active, twist) = found(part * needed / above_load);
+        let bound = part * needed / above_load * (active.force - critical_load) / active.force;
+        let couple = ratio(&active);
         assert!((couple / bound - 1.0).abs() < 1e-5, "{couple} of {bound}");
-        assert!(twist.velocity[0] > 1e-3 && slip(&twist, &pressed) < 1e-5, "{} {}", twist.velocity, slip(&twist, &pressed));
+        assert!(twist.velocity[0] > 1e-3 && slip(&twist, &active) < 1e-5, "{} {}", twist.velocity, slip(&twist, &active));
         // it takes energy
-        assert!(pressed.couple.dot(&twist.spin) > 0.0);
+        assert!(active.couple.dot(&twist.spin) > 0.0);
     }
-    let (pressed, twist) = found(1.02 * needed / above_load);
-    let couple = ratio(&pressed);
+    let (active, twist) = found(1.02 * needed / above_load);
+    let couple = ratio(&active);
     // as it lands it presses less, and rolls to another place of the grid
     assert!(twist.velocity.norm() < 1e-5 && (couple / needed - 1.0).abs() < 2e-3, "{} {couple} {needed}", twist.velocity);
 }
@@ -78,11 +78,11 @@ fn a_sphere_on_a_wall_in_shear_rolls_above_the_limit(session: &Session) {
 fn a_sphere_on_a_wall_twists_above_the_limit(session: &Session) {
     let law = FrictionLaw { twisting: 0.05, rolling: 10.0, ..FrictionLaw::plain(10.0) };
     let found = |torque: f64| pressed_on_a_floor(session, (Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0), (20.0, skew(&[0.0, 0.0, torque])), law);
-    let (pressed, _) = found(0.0);
-    let most = law.twisting * pressed.force * pressed.contact.separation;
+    let (active, _) = found(0.0);
+    let most = law.twisting * active.force * active.contact.separation;
     for part in [0.98, -1.02, 3.0] {
-        let (pressed, twist) = found(part * most);
-        let (spin, couple) = (components(&twist.spin)[2], -components(&pressed.couple)[2]);
+        let (active, twist) = found(part * most);
+        let (spin, couple) = (components(&twist.spin)[2], -components(&active.couple)[2]);
         if part < 1.0 && part > 0.0 {
             assert!(spin.abs() < 1e-5 && (couple + part * most).abs() < 1e-3 * most, "{part}: {spin} {couple} of {most}");
         } else {
@@ -111,31 +111,31 @@ fn a_disk_that_rolls_in_a_thin_fluid_comes_to_rest(session: &Session) {
 }
 
 fn couples_are_what_the_flow_feels_and_stresses_add_up(session: &Session) {
-    let there = sheared(session, CROWD, 22);
-    let held = forces(&there.1);
-    assert!(held.iter().filter(|(pressed, _)| ratio(pressed) > 1e-3).count() >= 3);
+    let there = sheared(session, ROLLING_AND_SLIDING, 22);
+    let active_contacts = forces(&there.1);
+    assert!(active_contacts.iter().filter(|(active, _)| ratio(active) > 1e-3).count() >= 3);
     stresses_add_up(&there);
     is_what_the_flow_feels(session, there);
 }
 
 /// The most that couples may be, at contacts of equal disks and at walls.
-fn bound(pressed: &ContactForce<2>, law: &FrictionLaw) -> f64 {
-    let reduced = if pressed.contact.other().is_some() { 0.5 } else { 1.0 };
-    law.rolling * 1.01 * reduced * (pressed.force - law.critical_load).max(0.0)
+fn bound(active: &ContactForce<2>, law: &FrictionLaw) -> f64 {
+    let reduced = if active.contact.other().is_some() { 0.5 } else { 1.0 };
+    law.rolling * 1.01 * reduced * (active.force - law.critical_load).max(0.0)
 }
 
 fn no_couple_of_a_crowd_exceeds_its_bound(session: &Session) {
-    for law in [CROWD, FrictionLaw { rolling: 0.5, critical_load: 20.0, ..CROWD }] {
-        let mut simulation = rubbing_by(session, crowd(11, 5, 1.0), law, 0.03);
+    for law in [ROLLING_AND_SLIDING, FrictionLaw { rolling: 0.5, critical_load: 20.0, ..ROLLING_AND_SLIDING }] {
+        let mut simulation = rubbing_by(session, dense_suspension(11, 5, 1.0), law, 0.03);
         let (mut solves, mut of_each) = (0, [0; 2]);
         for number in 0..25 {
             let (observation, report) = step(&mut simulation);
             assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "step {number}: {report:?}");
-            let largest = forces(&observation).iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
-            for (pressed, side) in forces(&observation) {
-                let most = law.coefficient * (pressed.force - law.critical_load).max(0.0);
+            let largest = forces(&observation).iter().map(|(active, _)| active.force).fold(0.0, f64::max);
+            for (active, side) in forces(&observation) {
+                let most = law.coefficient * (active.force - law.critical_load).max(0.0);
                 assert!(side.norm() < most + 1e-3 * largest, "{} of {most}", side.norm());
-                let (couple, most) = (components(&pressed.couple)[0].abs(), bound(&pressed, &law));
+                let (couple, most) = (components(&active.couple)[0].abs(), bound(&active, &law));
                 assert!(couple < most + 1e-3 * largest, "{couple} of {most}");
                 of_each[usize::from(couple < 0.98 * most)] += 1;
             }
@@ -149,16 +149,19 @@ fn little_resistance_to_rolling_is_next_to_none(session: &Session) {
     let run = |law: FrictionLaw| sheared(session, law, 22).0.state().centers();
     let apart =
         |one: &[Vector2<f64>], other: &[Vector2<f64>]| one.iter().zip(other).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
-    let (plain, little, much) =
-        (run(FrictionLaw::plain(0.7)), run(FrictionLaw { rolling: 1e-4, ..CROWD }), run(FrictionLaw { rolling: 0.5, ..CROWD }));
+    let (plain, little, much) = (
+        run(FrictionLaw::plain(0.7)),
+        run(FrictionLaw { rolling: 1e-4, ..ROLLING_AND_SLIDING }),
+        run(FrictionLaw { rolling: 0.5, ..ROLLING_AND_SLIDING }),
+    );
     assert!(apart(&plain, &little) < 1e-3, "{}", apart(&plain, &little));
     assert!(apart(&plain, &much) > 1e-2, "{}", apart(&plain, &much));
 }
 
 fn a_restart_goes_on_from_the_couples_of_the_last_step(session: &Session) {
-    let (mut simulation, _) = sheared(session, CROWD, 20);
-    let mut again = rubbing_by(session, crowd(11, 5, 1.0), CROWD, 0.03);
-    assert!(simulation.state().held.iter().any(|held| held.couple != SMatrix::<f64, 2, 2>::zeros()));
+    let (mut simulation, _) = sheared(session, ROLLING_AND_SLIDING, 20);
+    let mut again = rubbing_by(session, dense_suspension(11, 5, 1.0), ROLLING_AND_SLIDING, 0.03);
+    assert!(simulation.state().contact_history.iter().any(|contact| contact.couple != SMatrix::<f64, 2, 2>::zeros()));
     again.restore(simulation.state().clone(), History::default()).unwrap();
     (0..3).for_each(|_| _ = (step(&mut simulation), step(&mut again)));
     let apart = simulation.state().bodies.iter().zip(&again.state().bodies).map(|(one, other)| (one.center - other.center).norm());
@@ -175,14 +178,14 @@ fn spheres_in_a_sheared_box_obey_the_law(session: &Session) {
     for number in 0..4 {
         let (observation, report) = step(&mut simulation);
         assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW && report.work < 0.0, "step {number}: {report:?}");
-        let largest = forces(&observation).iter().map(|(pressed, _)| pressed.force).fold(0.0, f64::max);
-        for (pressed, side) in forces(&observation) {
+        let largest = forces(&observation).iter().map(|(active, _)| active.force).fold(0.0, f64::max);
+        for (active, side) in forces(&observation) {
             // next to what the residual allows where a slip turns
-            assert!(side.norm() <= 0.5 * pressed.force + 5e-3 * largest, "{} of {}, {largest}", side.norm(), 0.5 * pressed.force);
-            let couple = Vector3::from_column_slice(&components(&pressed.couple)) / (0.5 * 1.01);
-            let twisting = couple.dot(&pressed.contact.normal);
+            assert!(side.norm() <= 0.5 * active.force + 5e-3 * largest, "{} of {}, {largest}", side.norm(), 0.5 * active.force);
+            let couple = Vector3::from_column_slice(&components(&active.couple)) / (0.5 * 1.01);
+            let twisting = couple.dot(&active.contact.normal);
             let (rolling, most) =
-                ((couple - pressed.contact.normal * twisting).norm(), [law.rolling, law.twisting].map(|part| part * pressed.force));
+                ((couple - active.contact.normal * twisting).norm(), [law.rolling, law.twisting].map(|part| part * active.force));
             assert!(rolling <= most[0] + 5e-3 * largest && twisting.abs() <= most[1] + 5e-3 * largest, "{rolling} {twisting} of {most:?}");
             turned += usize::from(rolling > 0.9 * most[0]);
         }

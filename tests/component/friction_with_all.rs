@@ -28,7 +28,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// A crowd between walls that move, or in a sheared box.
-fn crowd(domain: &str, spacing: f64, bodies: &str) -> String {
+fn scene_text(domain: &str, spacing: f64, bodies: &str) -> String {
     format!(
         "seed = 3\n{domain}\nresolution = {{ cells_per_radius = {spacing} }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-8 }}\n\
          lubrication = {{ model = \"pairwise\", roughness = 0.04 }}\ncontact = {{ model = \"inelastic\", friction = 0.5 }}\n\
@@ -54,8 +54,8 @@ fn imbalance<const D: usize>(simulation: &Simulation<D>, observation: &Observati
     let torque = |arm: SVector<f64, D>, force: SVector<f64, D>| force * arm.transpose() - arm * force.transpose();
     let radii = simulation.radii();
     let mut largest = 0.0f64;
-    for pressed in &observation.contacts {
-        let (contact, force) = (&pressed.contact, pressed.whole());
+    for active in &observation.contacts {
+        let (contact, force) = (&active.contact, active.whole());
         largest = largest.max(force.norm());
         let part = contact.other().map_or(1.0, |other| radii[contact.body] / (radii[contact.body] + radii[other]));
         let mut add = |body: usize, force: SVector<f64, D>, arm: SVector<f64, D>| {
@@ -108,9 +108,9 @@ fn rods_that_rub_are_rigid_and_in_balance(session: &Session) {
         )
     };
     let groups: Vec<_> = (0..18).step_by(3).map(|first| first..first + 3).chain((18..26).map(|ball| ball..ball + 1)).collect();
-    proves::<2>(session, &crowd(WALLS, 4.0, &rods(PULLED)), &groups, 5);
+    proves::<2>(session, &scene_text(WALLS, 4.0, &rods(PULLED)), &groups, 5);
     let sheared = "domain = { size = [7.0, 7.0] }\nflow = { model = \"stokes\", drive = { shear_rate = 1.0, periodic = \"sheared\" } }";
-    proves::<2>(session, &crowd(sheared, 4.0, &rods("")).replace("end = 0.6", "end = 1.0"), &groups, 1);
+    proves::<2>(session, &scene_text(sheared, 4.0, &rods("")).replace("end = 0.6", "end = 1.0"), &groups, 1);
 }
 
 fn chains_and_rings_that_rub_are_in_balance(session: &Session) {
@@ -120,11 +120,11 @@ fn chains_and_rings_that_rub_are_in_balance(session: &Session) {
              force = [0.0, -400.0] }}]"
         );
         let groups: Vec<_> = (0..24).step_by(4).map(|first| first..first + 4).collect();
-        proves::<2>(session, &crowd(WALLS, 4.0, &chains), &groups, 5);
+        proves::<2>(session, &scene_text(WALLS, 4.0, &chains), &groups, 5);
     }
     let ring = "chains = [{ beads = 8, radius = 0.5, spacing = 1.06, stretch = \"rigid\", bend = 5.0, shape = \"ring\", count = 1, \
                 force = [0.0, -200.0] }]";
-    proves::<2>(session, &crowd(WALLS, 4.0, ring).replace("1e-8", "1e-7"), std::slice::from_ref(&(0..8)), 1);
+    proves::<2>(session, &scene_text(WALLS, 4.0, ring).replace("1e-8", "1e-7"), std::slice::from_ref(&(0..8)), 1);
 }
 
 fn clusters_in_space_that_rub_are_in_balance(session: &Session) {
@@ -132,7 +132,7 @@ fn clusters_in_space_that_rub_are_in_balance(session: &Session) {
         "domain = { size = [4.0, 3.2, 3.2], y = { lower = [-1.6, 0.0, 0.0], upper = [1.6, 0.0, 0.0] } }\nflow = { model = \"stokes\" }";
     let bodies = "clusters = [{ shape = \"rod\", beads = 2, radius = 0.6, count = 4, gap = 0.06, force = [0.0, -400.0, 0.0] }]";
     let groups: Vec<_> = (0..8).step_by(2).map(|first| first..first + 2).collect();
-    proves::<3>(session, &crowd(domain, 3.0, bodies), &groups, 3);
+    proves::<3>(session, &scene_text(domain, 3.0, bodies), &groups, 3);
 }
 
 /// With the arm `a` of the contact, its radius and half of the roughness: `v = 2 a^2 / (1 + 2 a^2)` of the first velocity when it rolls.
@@ -173,10 +173,10 @@ fn a_crowd_with_inertia_obeys_the_law(session: &Session) {
         let report = observation.friction.unwrap();
         assert!(report.residual <= FrictionReport::TOLERANCE_IN_FLOW, "{report:?}");
         // friction takes energy, but for what the law is missed by at the speed of the walls
-        let pressing: f64 = observation.contacts.iter().map(|pressed| pressed.force.max(0.0)).sum();
+        let pressing: f64 = observation.contacts.iter().map(|active| active.force.max(0.0)).sum();
         assert!(report.work <= FrictionReport::TOLERANCE_IN_FLOW * pressing * 12.0 * 0.0125, "{report:?}");
-        for pressed in observation.contacts.iter().filter(|pressed| pressed.force > 0.0) {
-            assert!(pressed.tangential.norm() <= 0.5 * pressed.force * (1.0 + 1e-3));
+        for active in observation.contacts.iter().filter(|active| active.force > 0.0) {
+            assert!(active.tangential.norm() <= 0.5 * active.force * (1.0 + 1e-3));
         }
         rubbed += report.sticking + report.slipping;
         simulation.step(&observation, &mut |_, _| {}).unwrap();
@@ -194,8 +194,8 @@ fn the_smoother_surface_of_a_contact_counts(session: &Session) {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             assert!(observation.friction.unwrap().residual <= FrictionReport::TOLERANCE_IN_FLOW);
             last = vec![f64::NAN; 3];
-            for pressed in observation.contacts.iter().filter(|pressed| pressed.force > 0.0) {
-                last[pressed.contact.body] = pressed.tangential.norm() / pressed.force;
+            for active in observation.contacts.iter().filter(|active| active.force > 0.0) {
+                last[active.contact.body] = active.tangential.norm() / active.force;
             }
             simulation.step(&observation, &mut |_, _| {}).unwrap();
         }

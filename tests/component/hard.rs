@@ -192,9 +192,9 @@ fn iterations_with_an_exact_inverse(session: &Session) {
     };
     let mut one = periodic_cube(1.0 / 48.0, Drive::Shear(1.0), vec![suspended(Vector2::new(0.513, 0.527), 0.125, free(), 6)]);
     one.tolerance = Tolerance::Fixed(1e-6);
-    let (alone, crowd) = (iterations(one), iterations(dense_disks(100)));
+    let (alone, dense) = (iterations(one), iterations(dense_disks(100)));
     assert!(alone <= 8, "{alone} iterations for one free disk");
-    assert!(crowd <= 30, "{crowd} iterations for a hundred");
+    assert!(dense <= 30, "{dense} iterations for a hundred");
 }
 
 /// Iterations do not grow with the number of spheres: fraction 0.3, four cells per radius, modes up to 3.

@@ -796,16 +796,16 @@ fn channel(end: f64, more: &str) -> Scene {
 /// Times, Courant numbers and drags of the first body, step by step, but for the start.
 fn drags(session: &Session, scene: &Scene) -> Vec<[f64; 3]> {
     let mut simulation = Simulation::<2>::new(session, scene).unwrap();
-    let mut seen = Vec::new();
+    let mut observed = Vec::new();
     loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         let state = simulation.state();
         if state.steps > 0 {
             let courant = simulation.suspension().unwrap().evolution_on_grid().unwrap().courant(state.last_step).unwrap().unwrap();
-            seen.push([state.time, courant, observation.solution.as_ref().unwrap().bodies[0].force[0]]);
+            observed.push([state.time, courant, observation.solution.as_ref().unwrap().bodies[0].force[0]]);
         }
         if simulation.over() {
-            return seen;
+            return observed;
         }
         simulation.step(&observation, &mut |_, _| {}).unwrap();
     }
@@ -827,10 +827,10 @@ fn automatic_steps_from_rest_know_what_comes_and_not_the_end(session: &Session) 
 fn an_automatic_step_is_taken_again_where_the_flow_is_faster_than_it_was(session: &Session) {
     let path = "[[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.301, 0.0005, 0.0], [0.35, 0.5, 0.0], [1.0, 7.0, 0.0]]";
     let second = format!("travel = 1.0\n[[bodies]]\nradius = 0.25\ncenters = [[1.0, 0.7]]\nmotion = {{ path = {path} }}\n");
-    let seen = drags(session, &channel(0.36, &second));
-    let steps: Vec<f64> = seen.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    let observed = drags(session, &channel(0.36, &second));
+    let steps: Vec<f64> = observed.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
     assert!(steps.windows(2).any(|pair| pair[1] < 0.6 * pair[0]), "{steps:?}");
-    assert!(seen.iter().all(|[_, courant, _]| *courant <= 0.7), "{seen:?}");
+    assert!(observed.iter().all(|[_, courant, _]| *courant <= 0.7), "{observed:?}");
 }
 
 fn a_fixed_step_in_which_the_flow_passes_too_much_is_refused_with_one_that_will_do(session: &Session) {
@@ -840,6 +840,6 @@ fn a_fixed_step_in_which_the_flow_passes_too_much_is_refused_with_one_that_will_
     let refusal = simulation.evaluate(&mut |_, _| {}).err().unwrap().to_string();
     assert!(refusal.contains("time.step = 1.0000e-1") && refusal.contains("0.7"), "{refusal}");
     let step: f64 = refusal.split("set time.step = ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-    let seen = drags(session, &channel(0.4, &format!("step = {step}\n")));
-    assert!(seen.iter().all(|[_, courant, _]| *courant <= 0.7), "{refusal}");
+    let observed = drags(session, &channel(0.4, &format!("step = {step}\n")));
+    assert!(observed.iter().all(|[_, courant, _]| *courant <= 0.7), "{refusal}");
 }

@@ -173,16 +173,19 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
 
 /// Height of the gap and memory of the contact of a ball above a floor.
 fn above_the_floor(simulation: &Simulation<2>) -> (f64, f64) {
-    let stuck = &simulation.whole_state().stuck;
-    assert!(stuck.len() <= 1 && stuck.iter().all(|stuck| stuck.partner == Partner::Wall { axis: 1, upper: false }), "{stuck:?}");
-    (simulation.whole_state().bodies[0].center[1] - 0.5, stuck.first().map_or(0.0, |stuck| stuck.gamma))
+    let adhesive_contacts = &simulation.whole_state().adhesive_contacts;
+    assert!(
+        adhesive_contacts.len() <= 1 && adhesive_contacts.iter().all(|contact| contact.partner == Partner::Wall { axis: 1, upper: false }),
+        "{adhesive_contacts:?}"
+    );
+    (simulation.whole_state().bodies[0].center[1] - 0.5, adhesive_contacts.first().map_or(0.0, |contact| contact.gamma))
 }
 
 /// G2: a force of -2 until the time 2, then of 1; the gap is 1 at rest. All gaps and memories in steps of a given length.
 fn pressed_and_pulled(session: &Session, length: f64, scheme: Scheme) -> Vec<(f64, f64, f64)> {
     let ball = |force: f64| vec![disk([1.0, 1.5], [0.0; 2], [0.0, force])];
     let mut simulation = start(session, [2.0, 10.0], GLUEY, ball(-2.0), fixed(length, scheme));
-    let mut seen = Vec::new();
+    let mut observed = Vec::new();
     let steps = |time: f64| (time / length).round() as usize;
     for number in 0..steps(8.0) {
         if number == steps(2.0) {
@@ -190,26 +193,26 @@ fn pressed_and_pulled(session: &Session, length: f64, scheme: Scheme) -> Vec<(f6
         }
         step(&mut simulation);
         let (gap, gamma) = above_the_floor(&simulation);
-        seen.push((simulation.whole_state().time, gap, gamma));
+        observed.push((simulation.whole_state().time, gap, gamma));
     }
-    seen
+    observed
 }
 
-fn gap_at(seen: &[(f64, f64, f64)], time: f64) -> f64 {
-    seen.iter().min_by(|one, two| (one.0 - time).abs().total_cmp(&(two.0 - time).abs())).unwrap().1
+fn gap_at(observed: &[(f64, f64, f64)], time: f64) -> f64 {
+    observed.iter().min_by(|one, two| (one.0 - time).abs().total_cmp(&(two.0 - time).abs())).unwrap().1
 }
 
-fn time_of(seen: &[(f64, f64, f64)], gap: f64) -> f64 {
-    let after = seen.iter().position(|seen| seen.0 > 6.0 && seen.1 >= gap).unwrap();
-    let [(before, low, _), (time, high, _)] = [seen[after - 1], seen[after]];
+fn time_of(observed: &[(f64, f64, f64)], gap: f64) -> f64 {
+    let after = observed.iter().position(|observed| observed.0 > 6.0 && observed.1 >= gap).unwrap();
+    let [(before, low, _), (time, high, _)] = [observed[after - 1], observed[after]];
     before + (time - before) * (gap - low) / (high - low)
 }
 
 fn a_ball_pressed_to_the_floor_takes_off_when_it_was_pulled_as_much(session: &Session) {
     for scheme in SCHEMES {
         for length in [0.02, 0.01] {
-            let seen = pressed_and_pulled(session, length, scheme);
-            for &(time, gap, gamma) in &seen {
+            let observed = pressed_and_pulled(session, length, scheme);
+            for &(time, gap, gamma) in &observed {
                 let exact = match time {
                     time if time < 1.0 => (1.0 - time * time, 0.0),
                     time if time < 2.0 => (0.0, -2.0 * time),
@@ -225,8 +228,8 @@ fn a_ball_pressed_to_the_floor_takes_off_when_it_was_pulled_as_much(session: &Se
                 assert!(gap.abs() < 1e-12 || gamma == 0.0, "{scheme:?}: it sticks with {gamma} at a gap of {gap:e}");
             }
             // take-off at 6, and a free flight of 2 from there
-            assert!((gap_at(&seen, 8.0) - 2.0).abs() < 4.0 * length, "{scheme:?}: {}", gap_at(&seen, 8.0));
-            assert!((time_of(&seen, 0.5) - 7.0).abs() < 2.0 * length, "{scheme:?}: {}", time_of(&seen, 0.5));
+            assert!((gap_at(&observed, 8.0) - 2.0).abs() < 4.0 * length, "{scheme:?}: {}", gap_at(&observed, 8.0));
+            assert!((time_of(&observed, 0.5) - 7.0).abs() < 2.0 * length, "{scheme:?}: {}", time_of(&observed, 0.5));
         }
     }
 }
@@ -243,8 +246,8 @@ const LUBRICATED: [[f64; 4]; 6] = [
 
 /// All of them were integrated elsewhere: the differences to this program's limit fall with the viscosity, to those of its step.
 fn lubricated_balls_tend_to_the_gluey_one(session: &Session) {
-    let seen = pressed_and_pulled(session, 1e-3, Scheme::TwoStep);
-    let limit = [gap_at(&seen, 0.5), time_of(&seen, 0.5), gap_at(&seen, 8.0)];
+    let observed = pressed_and_pulled(session, 1e-3, Scheme::TwoStep);
+    let limit = [gap_at(&observed, 0.5), time_of(&observed, 0.5), gap_at(&observed, 8.0)];
     let differences = LUBRICATED.map(|[_, numbers @ ..]| std::array::from_fn::<f64, 3, _>(|place| (numbers[place] - limit[place]).abs()));
     for pair in differences.windows(2) {
         assert!((0..3).all(|place| pair[1][place] < pair[0][place]), "{differences:?}");
@@ -302,8 +305,12 @@ fn a_row_pressed_and_pulled_at_its_ends_lets_go_of_them_at_twice_the_time(sessio
             if number < 2 * pressed {
                 let held = 1.5 * length * number.min(2 * pressed - number) as f64;
                 // over half the mass of a disk
-                assert!(state.stuck.iter().all(|stuck| (stuck.gamma + 2.0 * held).abs() < 1e-11), "step {number}: {:?}", state.stuck);
-                assert_eq!(state.stuck.len(), count - 1, "step {number}");
+                assert!(
+                    state.adhesive_contacts.iter().all(|contact| (contact.gamma + 2.0 * held).abs() < 1e-11),
+                    "step {number}: {:?}",
+                    state.adhesive_contacts
+                );
+                assert_eq!(state.adhesive_contacts.len(), count - 1, "step {number}");
             } else {
                 let flight = (number - 2 * pressed) as f64;
                 // Euler's steps, the first of which is as long as it can be
@@ -316,7 +323,7 @@ fn a_row_pressed_and_pulled_at_its_ends_lets_go_of_them_at_twice_the_time(sessio
                 simulation = under(session, &simulation, row(-1.5), GLUEY, fixed(length, Scheme::Euler));
             }
         }
-        assert!(simulation.whole_state().stuck.is_empty());
+        assert!(simulation.whole_state().adhesive_contacts.is_empty());
     }
 }
 
@@ -329,11 +336,11 @@ fn an_impact_on_a_gluey_row_is_remembered_by_each_contact(session: &Session) {
         step(&mut simulation);
         let state = simulation.whole_state();
         assert!(state.bodies.iter().all(|body| (body.twist.velocity - Vector2::new(0.25, 0.0)).norm() < 1e-12));
-        for (number, stuck) in (1..count).zip(&state.stuck) {
+        for (number, contact) in (1..count).zip(&state.adhesive_contacts) {
             let passed = 0.25 * (count - number) as f64;
-            assert!((stuck.gamma + 2.0 * passed).abs() < 1e-11, "contact {number} remembers {}", stuck.gamma);
+            assert!((contact.gamma + 2.0 * passed).abs() < 1e-11, "contact {number} remembers {}", contact.gamma);
         }
-        assert_eq!(state.stuck.len(), count - 1);
+        assert_eq!(state.adhesive_contacts.len(), count - 1);
     }
 }
 
@@ -386,5 +393,5 @@ fn a_cluster_with_more_contacts_than_it_needs_turns_as_one(session: &Session) {
     let turned = simulation.whole_state().bodies[1].center - simulation.whole_state().bodies[0].center;
     let angle = turned[1].atan2(turned[0]);
     assert!((angle - 0.9).abs() < 0.05, "it has turned by {angle}");
-    assert!(simulation.whole_state().stuck.len() >= 6, "{} stick", simulation.whole_state().stuck.len());
+    assert!(simulation.whole_state().adhesive_contacts.len() >= 6, "{} stick", simulation.whole_state().adhesive_contacts.len());
 }

@@ -79,9 +79,9 @@ fn every_law_keeps_two_disks_pressed_together_at_rest_in_symmetry(session: &Sess
             let gap = (two - one).norm() - 2.0;
             let slack = if law == repulsion { 2e-4 } else { 1e-6 };
             assert!((gap - rest).abs() < slack, "{law:?} at {middle}: they rest at a gap of {gap}, not {rest}");
-            let pressed: Vec<_> = observation.contacts.iter().filter(|pressed| pressed.force != 0.0).collect();
-            assert_eq!(pressed.len(), 1);
-            assert!((pressed[0].force - 10.0).abs() < 0.05, "{law:?}: {} between them", pressed[0].force);
+            let active_contacts: Vec<_> = observation.contacts.iter().filter(|active| active.force != 0.0).collect();
+            assert_eq!(active_contacts.len(), 1);
+            assert!((active_contacts[0].force - 10.0).abs() < 0.05, "{law:?}: {} between them", active_contacts[0].force);
             let total = observation.solution.as_ref().unwrap().bodies.iter().map(|body| body.force).sum::<Vector2<f64>>();
             assert!(total.norm() < 1e-5, "{law:?}: forces are equal and opposite, {total}");
         }
@@ -100,15 +100,15 @@ fn a_chain_pressed_to_the_floor_sticks_until_it_was_pulled_as_much(session: &Ses
         let heights = [0, 1].map(|body| state.bodies[body].center[1]);
         if number < 40 {
             let held = 6.0 / 2.0 * length * f64::from(if number <= 20 { number } else { 40 - number });
-            assert_eq!(state.stuck.len(), 2, "step {number}");
-            for stuck in &state.stuck {
-                assert!((stuck.gamma + held).abs() < 1e-5, "step {number}: {} instead of {}", stuck.gamma, -held);
+            assert_eq!(state.adhesive_contacts.len(), 2, "step {number}");
+            for contact in &state.adhesive_contacts {
+                assert!((contact.gamma + held).abs() < 1e-5, "step {number}: {} instead of {}", contact.gamma, -held);
             }
             assert!((heights[0] - 1.0).abs() < 1e-6 && (heights[1] - 3.0).abs() < 1e-6, "step {number}: {heights:?}");
         } else if number > 41 {
             // both have let go; the upper one is pulled off and takes some of the lower one with it through the fluid
             assert!(heights[1] > heights[0] + 2.0 + 1e-4 && heights[0] >= 1.0 - 1e-9, "step {number}: {heights:?}");
-            assert!(state.stuck.iter().all(|stuck| stuck.gamma > -1e-3), "{:?}", state.stuck);
+            assert!(state.adhesive_contacts.iter().all(|contact| contact.gamma > -1e-3), "{:?}", state.adhesive_contacts);
         }
         if number == 20 {
             let (state, past) = (simulation.state().clone(), None);

@@ -282,8 +282,8 @@ fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
 /// Films to both walls, and between bodies, in 2D and 3D.
 fn stresslets_and_walls_agree_with_films(session: &Session) {
     let both = sheared::<2>([4.0, 2.4], 6.0, 4, &[[2.0, 1.2]]);
-    let crowd = sheared::<2>([6.0, 4.5], 6.0, 3, &[[1.2, 1.03], [3.25, 1.2], [2.3, 3.1], [4.6, 3.45]]);
-    for (setup, name) in [(both, "one disk, two walls"), (crowd, "four disks")] {
+    let four_disks = sheared::<2>([6.0, 4.5], 6.0, 3, &[[1.2, 1.03], [3.25, 1.2], [2.3, 3.1], [4.6, 3.45]]);
+    for (setup, name) in [(both, "one disk, two walls"), (four_disks, "four disks")] {
         same_viscosity(&shear_viscosity(session, setup).0, 1e-6, name);
     }
     let spheres = sheared::<3>([4.5, 4.2, 3.0], 4.0, 2, &[[1.1, 1.02, 1.2], [3.0, 2.3, 1.6]]);

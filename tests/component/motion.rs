@@ -122,9 +122,9 @@ fn step(simulation: &mut Simulation<2>) -> Observation<2> {
 
 /// Contact force on a body.
 fn contact_force(observation: &Observation<2>, body: usize) -> Vector2<f64> {
-    let on = |pressed: &turbid::contact::ContactForce<2>| {
-        let sign = f64::from(i32::from(pressed.contact.other() == Some(body)) - i32::from(pressed.contact.body == body));
-        pressed.contact.normal * (sign * pressed.force)
+    let on = |active: &turbid::contact::ContactForce<2>| {
+        let sign = f64::from(i32::from(active.contact.other() == Some(body)) - i32::from(active.contact.body == body));
+        active.contact.normal * (sign * active.force)
     };
     observation.contacts.iter().map(on).sum()
 }
@@ -234,7 +234,7 @@ fn meet(simulation: &mut Simulation<2>, rests: usize) -> Vec<Observation<2>> {
     let mut observations = Vec::new();
     while observations.len() < rests {
         assert!(simulation.state().steps < 40, "bodies never meet");
-        let closed = !simulation.state().held.is_empty();
+        let closed = !simulation.state().contact_history.is_empty();
         let observation = step(simulation);
         assert!(smallest_gap(simulation) > -1e-6, "{}", smallest_gap(simulation));
         if closed {
@@ -272,9 +272,9 @@ fn two_disks_pressed_together_meet_and_rest(session: &Session) {
                 // alone in the box, the force would move a disk at about 0.5
                 let speed = observation.twists[body].velocity.norm();
                 assert!(speed < 1e-5, "{scheme:?}: body {body} moves at {speed:e}");
-                let (pressed, held) = (contact_force(&observation, body), bodies[body].force);
-                assert!((pressed + force(body)).norm() < 1e-4 * 10.0, "{scheme:?}: body {body} is pressed by {pressed}");
-                assert!(held.norm() < 1e-4 * 10.0, "{scheme:?}: the fluid still acts on body {body} with {held}");
+                let (by_contact, exerted) = (contact_force(&observation, body), bodies[body].force);
+                assert!((by_contact + force(body)).norm() < 1e-4 * 10.0, "{scheme:?}: body {body} is pressed by {by_contact}");
+                assert!(exerted.norm() < 1e-4 * 10.0, "{scheme:?}: the fluid still acts on body {body} with {exerted}");
             }
         }
     }
@@ -287,7 +287,7 @@ fn a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight(session: &Sessi
     for scheme in SCHEMES {
         let mut simulation = simulate(session, setup.clone(), time(Step::Fixed(0.3), 100.0, scheme), ContactModel::Inelastic);
         for observation in meet(&mut simulation, 3) {
-            let held = observation.solution.as_ref().unwrap().bodies[0].force;
+            let exerted = observation.solution.as_ref().unwrap().bodies[0].force;
             // it set out at 0.3
             assert!(observation.twists[0].velocity.norm() < 1e-5, "{scheme:?}: it moves at {}", observation.twists[0].velocity);
             assert!(
@@ -295,7 +295,7 @@ fn a_heavy_disk_comes_to_rest_on_the_floor_that_bears_its_weight(session: &Sessi
                 "{scheme:?}: the floor bears {}",
                 contact_force(&observation, 0)
             );
-            assert!(held.norm() < 1e-4 * 30.0, "{scheme:?}: the fluid still acts with {held}");
+            assert!(exerted.norm() < 1e-4 * 30.0, "{scheme:?}: the fluid still acts with {exerted}");
         }
         assert!((simulation.state().bodies[0].center[1] - 1.0).abs() < 1e-6, "{}", simulation.state().bodies[0].center);
     }
@@ -312,7 +312,7 @@ fn forces_balance_on_each_body_of_a_sheared_crowd_and_its_stress_reaches_the_wal
         let observation = step(&mut simulation);
         assert!(smallest_gap(&simulation) > -1e-6, "step {number}: {}", smallest_gap(&simulation));
         let solution = observation.solution.as_ref().unwrap();
-        let largest = observation.contacts.iter().map(|pressed| pressed.force).fold(0.0, f64::max);
+        let largest = observation.contacts.iter().map(|active| active.force).fold(0.0, f64::max);
         for body in 0..count {
             let imbalance = (contact_force(&observation, body) + solution.bodies[body].force).norm();
             // 1e-9: rounding, where there are no contacts

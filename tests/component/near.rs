@@ -75,8 +75,8 @@ fn answer<const D: usize>(session: &Session, balls: &[Ball<D>], (orders, given):
         let (local, all) = ranges(body);
         multipliers.local_mut().unwrap()[local].copy_from_slice(&wanted[all]);
     }
-    let crowd = Neighbourhood::alone(&domain, balls.to_vec(), orders.to_vec(), Neighbourhood::reach(balls));
-    let mut pairs = PairPreconditioner::new(&crowd, &layout, &PairTables::new(given), &multipliers).unwrap();
+    let neighbourhood = Neighbourhood::alone(&domain, balls.to_vec(), orders.to_vec(), Neighbourhood::reach(balls));
+    let mut pairs = PairPreconditioner::new(&neighbourhood, &layout, &PairTables::new(given), &multipliers).unwrap();
     let own = pairs.correction(&multipliers).unwrap();
     let mut found = vec![0.0; wanted.len()];
     for &body in &layout.local_bodies {

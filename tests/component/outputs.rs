@@ -151,7 +151,7 @@ impl Output<2> for Network {
     fn write(&mut self, view: &View<2>) -> Result<()> {
         let (motion, totals) = (view.motion.unwrap(), view.contacts().unwrap());
         let fabric = motion.fabric().map_or([f64::NAN; 3], |fabric| [fabric.m11, fabric.m12, fabric.m22]);
-        *self.0.borrow_mut() = [&[totals.held as f64, totals.ends as f64], &fabric[..]].concat();
+        *self.0.borrow_mut() = [&[totals.active as f64, totals.ends as f64], &fabric[..]].concat();
         Ok(())
     }
 }
@@ -170,9 +170,9 @@ fn a_column_of_disks_has_its_fabric_and_its_number_of_contacts(session: &Session
 
 fn a_new_output_is_told_of_each_instant_once(session: &Session) {
     for (scene, expected) in [(in_time(disks()), [0, 4, 4, 1]), (dry(), [0, 4, 4, 1]), (disks(), [0, 0, 1, 1])] {
-        let (told, scene) = (Rc::default(), scene.checked().unwrap());
-        state(session, &scene, Some(Box::new(Count(Rc::clone(&told)))));
-        let [iterations, kept, written, finished] = *told.borrow();
+        let (counts, scene) = (Rc::default(), scene.checked().unwrap());
+        state(session, &scene, Some(Box::new(Count(Rc::clone(&counts)))));
+        let [iterations, kept, written, finished] = *counts.borrow();
         assert_eq!([kept, written, finished], expected[1..]);
         assert_eq!(iterations > 0, scene.time.is_none(), "{iterations} iterations");
     }

@@ -96,6 +96,6 @@ fn forces_across_ranks_are_opposite(session: &Session) {
         }
         let change = (momentum(&simulation) - before).norm();
         assert!(change < 1e-11, "interaction {number}: the momentum changes by {change:e}");
-        assert_eq!(number == 1, !simulation.whole_state().stuck.is_empty());
+        assert_eq!(number == 1, !simulation.whole_state().adhesive_contacts.is_empty());
     }
 }

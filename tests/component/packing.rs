@@ -69,9 +69,9 @@ fn random_bodies_keep_clear_of_inflow_and_outflow_in_the_same_places_on_every_gr
         let scene = Scene::parse("open", Path::new("."), &text, &[]).unwrap();
         Setup::<2>::of(&scene).unwrap().bodies.iter().map(|suspended| suspended.body.ball.center).collect::<Vec<_>>()
     };
-    let crowd = "bodies = [{ fraction = 0.35, radius = 0.5 }]\n";
-    let coarse = centers(3.0, crowd);
-    assert_eq!(coarse, centers(6.0, crowd));
+    let disks = "bodies = [{ fraction = 0.35, radius = 0.5 }]\n";
+    let coarse = centers(3.0, disks);
+    assert_eq!(coarse, centers(6.0, disks));
     let chains = centers(3.0, "chains = [{ count = 5, radius = 0.5, beads = 4, stretch = \"rigid\" }]\n");
     let room = 0.5 + 5.0 * 0.5 / 3.0 - 1e-9;
     assert!(coarse.len() == 57 && coarse.iter().chain(&chains).all(|center| (room..=16.0 - room).contains(&center[0])), "{coarse:?}");

@@ -118,19 +118,19 @@ fn just_after_a_reversal_contacts_bear_nothing(session: &Session) {
 }
 
 fn a_tiny_oscillation_measures_the_viscosity_of_an_instant(session: &Session) {
-    let crowd = |drive: &str, time: &str| {
+    let scene_text = |drive: &str, time: &str| {
         format!(
             "seed = 3\ndomain = {{ size = [6.0, 6.0], y = \"walls\" }}\nflow = {{ viscosity = 2.0, drive = {{ shear_rate = {drive} }} }}\n\
              resolution.cells_per_radius = 4\nmethod.tolerance = 1e-9\nbodies = [{{ radius = 1.0, count = 3 }}]\n{time}\n"
         )
     };
-    let setup = Setup::<2>::of(&parsed(&crowd("1.0", ""))).unwrap();
+    let setup = Setup::<2>::of(&parsed(&scene_text("1.0", ""))).unwrap();
     let mut suspension = Suspension::new(session, setup).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     let expected = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().relative();
     let (amplitude, frequency, mut stress) = (1e-7, 0.5, Vec::new());
     let drive = format!("{{ amplitude = {amplitude:?}, frequency = {frequency:?} }}");
-    run::<2>(session, &crowd(&drive, "time.end = 2.0"), |simulation, observation| {
+    run::<2>(session, &scene_text(&drive, "time.end = 2.0"), |simulation, observation| {
         let flow = simulation.suspension().unwrap();
         stress.push((simulation.state().time, viscosity(flow, observation).shear_stress));
     });
@@ -203,7 +203,7 @@ const WALLED: &str = "domain = { size = [9.0, 8.0], y = \"walls\" }";
 fn a_stress_decides_the_rate(session: &Session) {
     let boxes = [("domain.size = [8.0, 8.0]", "shear_stress = 5.0, periodic = \"sheared\""), (WALLED, "shear_stress = -5.0")];
     for (domain, drive) in boxes {
-        let (mut slid, mut last, mut rates, mut pressed) = (0.0, 0.0, Vec::new(), 0);
+        let (mut slid, mut last, mut rates, mut contact_count) = (0.0, 0.0, Vec::new(), 0);
         run::<2>(session, &pushed(domain, drive, 0.6), |simulation, observation| {
             let flow = simulation.suspension().unwrap();
             let (found, setup) = (viscosity(flow, observation), flow.setup());
@@ -213,12 +213,12 @@ fn a_stress_decides_the_rate(session: &Session) {
             assert!(found.wall_stress.is_none_or(|stress| (stress / wanted - 1.0).abs() < 1e-4), "{:?}", found.wall_stress);
             let protocol = setup.domain.protocol().unwrap();
             assert!((protocol.rate(0.0) * found.relative() * 0.5 / wanted - 1.0).abs() < 4e-5);
-            pressed += observation.contacts.iter().filter(|contact| contact.force > 0.0).count();
+            contact_count += observation.contacts.iter().filter(|contact| contact.force > 0.0).count();
             (slid, last) = (simulation.state().shear.strain, simulation.state().time);
             rates.push(protocol.rate(0.0).abs());
             assert!((simulation.domain().shift() - if domain == WALLED { 0.0 } else { 8.0 * slid }).abs() < 1e-9);
         });
-        assert!(pressed > 0);
+        assert!(contact_count > 0);
         let [low, high] = [f64::min, f64::max].map(|most| rates.iter().copied().reduce(most).unwrap());
         assert!(slid.abs() > low * last && slid.abs() < high * last && high > 1.01 * low, "{slid} {low} {high}");
     }

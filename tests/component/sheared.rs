@@ -67,11 +67,11 @@ fn viscosity<const D: usize>(session: &Session, setup: Setup<D>) -> f64 {
 }
 
 /// Random disks at fraction 0.3 in a square box of images displaced by a number of cells, moved on by so many cells.
-fn crowd(count: usize, cells: f64, aside: f64, moved: [f64; 2]) -> Setup<2> {
-    crowd_at(0.3, count, cells, (aside, moved))
+fn dense_suspension(count: usize, cells: f64, aside: f64, moved: [f64; 2]) -> Setup<2> {
+    dense_suspension_at(0.3, count, cells, (aside, moved))
 }
 
-fn crowd_at(fraction: f64, count: usize, cells: f64, (aside, moved): (f64, [f64; 2])) -> Setup<2> {
+fn dense_suspension_at(fraction: f64, count: usize, cells: f64, (aside, moved): (f64, [f64; 2])) -> Setup<2> {
     let size = (count as f64 * std::f64::consts::PI / fraction).sqrt();
     let (spacing, domain) = (size / cells, sheared(Vector2::repeat(size), aside * size / cells));
     let centers: Vec<Vector2<f64>> = pack(&domain, &[] as &[Ball<2>], &vec![1.0; count], 0.03 / fraction, 3).unwrap();
@@ -102,9 +102,12 @@ fn a_cubic_lattice_slid_by_half_its_edge_is_that_of_a_box_of_two(session: &Sessi
 }
 
 fn a_turn_of_the_box_changes_nothing(session: &Session) {
-    let once = viscosity(session, crowd(6, 44.0, 13.0, [0.0; 2]));
+    let once = viscosity(session, dense_suspension(6, 44.0, 13.0, [0.0; 2]));
     for aside in [13.0 + 44.0, 13.0 - 5.0 * 44.0] {
-        let turned = viscosity(session, Setup { domain: crowd(6, 44.0, aside, [0.0; 2]).domain, ..crowd(6, 44.0, 13.0, [0.0; 2]) });
+        let turned = viscosity(
+            session,
+            Setup { domain: dense_suspension(6, 44.0, aside, [0.0; 2]).domain, ..dense_suspension(6, 44.0, 13.0, [0.0; 2]) },
+        );
         assert!((turned / once - 1.0).abs() < 1e-8, "{turned} and {once}");
     }
 }
@@ -118,7 +121,7 @@ fn where_the_box_is_cut_changes_nothing(session: &Session) {
         ConstraintMethod::Penalty(Some(1e-3)),
     ];
     for constraint in methods {
-        let moved = |by: [f64; 2]| viscosity(session, Setup { constraint, ..crowd(6, 44.0, 13.0, by) });
+        let moved = |by: [f64; 2]| viscosity(session, Setup { constraint, ..dense_suspension(6, 44.0, 13.0, by) });
         let here = moved([0.0; 2]);
         for by in [[0.0, 17.0], [9.0, 35.0], [30.0, 8.0]] {
             let there = moved(by);
@@ -128,7 +131,7 @@ fn where_the_box_is_cut_changes_nothing(session: &Session) {
 }
 
 fn multigrid_and_transforms_agree_across_the_seam(session: &Session) {
-    let by = |inverse| viscosity(session, Setup { inverse, ..crowd(6, 44.0, 13.0, [3.0, 20.0]) });
+    let by = |inverse| viscosity(session, Setup { inverse, ..dense_suspension(6, 44.0, 13.0, [3.0, 20.0]) });
     let (multigrid, transforms) = (by(InverseMethod::Hypre), by(InverseMethod::Transform));
     assert!((multigrid / transforms - 1.0).abs() < 1e-7, "{multigrid} and {transforms}");
 }
@@ -181,7 +184,7 @@ fn a_lattice_comes_back_after_a_strain_of_one(session: &Session) {
 fn disks_go_the_same_way_wherever_the_box_is_cut(session: &Session) {
     let end = 16.0 / 44.0;
     let went = |setup: Setup<2>| run(simulation(session, setup, time(Step::Fixed(4.0 / 44.0), end, Scheme::Midpoint), ContactModel::None));
-    let (here, there) = (crowd(6, 44.0, 0.0, [0.0, 4.0]), crowd(6, 44.0, 0.0, [0.0, 26.0]));
+    let (here, there) = (dense_suspension(6, 44.0, 0.0, [0.0, 4.0]), dense_suspension(6, 44.0, 0.0, [0.0, 26.0]));
     let (domain, half) = (here.domain.clone(), 0.5 * here.domain.size[1]);
     let row = |center: &Vector2<f64>| (center[1] / domain.size[1]).floor();
     let starts: Vec<Vector2<f64>> = there.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
@@ -204,7 +207,7 @@ fn midpoint_and_two_step_rules_keep_the_beat(session: &Session) {
     let shift_period = 1.0 / 44.0;
     for (scheme, together) in [(Scheme::Midpoint, 2.0), (Scheme::TwoStep, 1.0), (Scheme::Euler, 1.0)] {
         let mut simulation =
-            simulation(session, crowd(6, 44.0, 0.0, [0.0; 2]), time(Step::Auto, 8.0 * shift_period, scheme), ContactModel::None);
+            simulation(session, dense_suspension(6, 44.0, 0.0, [0.0; 2]), time(Step::Auto, 8.0 * shift_period, scheme), ContactModel::None);
         while !simulation.over() {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             let first = simulation.state().steps == 0 && scheme == Scheme::TwoStep;
@@ -216,12 +219,16 @@ fn midpoint_and_two_step_rules_keep_the_beat(session: &Session) {
 }
 
 fn disks_that_meet_across_the_seam_do_not_overlap(session: &Session) {
-    let mut simulation =
-        simulation(session, crowd_at(0.5, 14, 44.0, (0.0, [0.0; 2])), time(Step::Auto, 1.5, Scheme::TwoStep), ContactModel::Inelastic);
+    let mut simulation = simulation(
+        session,
+        dense_suspension_at(0.5, 14, 44.0, (0.0, [0.0; 2])),
+        time(Step::Auto, 1.5, Scheme::TwoStep),
+        ContactModel::Inelastic,
+    );
     let (mut across, radii) = (0, vec![1.0; 14]);
     while !simulation.over() {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
-        across += observation.contacts.iter().filter(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0).count();
+        across += observation.contacts.iter().filter(|active| active.force > 0.0 && active.contact.image[1] != 0).count();
         simulation.step(&observation, &mut |_, _| {}).unwrap();
         let smallest = near_pairs(simulation.domain(), &simulation.state().balls(&radii), 0.5).into_iter().map(|pair| pair.gap);
         let smallest = smallest.fold(f64::INFINITY, f64::min);

@@ -59,14 +59,15 @@ fn conjugate_gradients_and_gmres_solve_a_system_written_in_rust(session: &Sessio
 
 fn every_iteration_is_seen_and_reported(session: &Session) {
     let mut system = Chain::new(session, 0.0);
-    let (rhs, mut seen) = (filled(session, N, |index| (index as f64).cos()), Vec::new());
+    let (rhs, mut residuals) = (filled(session, N, |index| (index as f64).cos()), Vec::new());
     let mut krylov = krylov(session, GMRES, 100);
-    let report = krylov.solve(&mut system, &rhs, &mut rhs.like().unwrap(), &mut |iteration, residual| seen.push((iteration, residual)));
+    let report =
+        krylov.solve(&mut system, &rhs, &mut rhs.like().unwrap(), &mut |iteration, residual| residuals.push((iteration, residual)));
     let report = report.unwrap();
-    assert!(seen.iter().enumerate().all(|(count, &(iteration, _))| count == iteration));
-    assert_eq!(seen.len(), report.iterations + 1);
-    assert!((seen[0].1 - 1.0).abs() < 1e-14);
-    assert!((seen[report.iterations].1 / report.residual - 1.0).abs() < 1e-14);
+    assert!(residuals.iter().enumerate().all(|(count, &(iteration, _))| count == iteration));
+    assert_eq!(residuals.len(), report.iterations + 1);
+    assert!((residuals[0].1 - 1.0).abs() < 1e-14);
+    assert!((residuals[report.iterations].1 / report.residual - 1.0).abs() < 1e-14);
     let mut x = rhs.like().unwrap();
     krylov.solve(&mut system, &rhs, &mut x, &mut |_, _| {}).unwrap();
     let warm = krylov.solve(&mut system, &rhs, &mut x, &mut |_, _| {}).unwrap();

@@ -73,7 +73,7 @@ impl Stepper<2> for Hurdles {
             twists: moves.clone(),
             moves,
             contacts: Vec::new(),
-            stuck: Vec::new(),
+            adhesive_contacts: Vec::new(),
             kkt_report: None,
             shear: state.shear,
             effort,

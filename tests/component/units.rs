@@ -114,13 +114,13 @@ impl Units {
 }
 
 /// What a run came to, in its own units.
-struct Seen {
+struct Observed {
     centers: Vec<f64>,
     viscosities: Vec<f64>,
     iterations: usize,
 }
 
-fn seen<const D: usize>(session: &Session, scene: &Scene, units: Units) -> Seen {
+fn observe_run<const D: usize>(session: &Session, scene: &Scene, units: Units) -> Observed {
     let mut simulation = Simulation::<D>::new(session, &units.of(scene)).unwrap();
     let (mut viscosities, mut iterations) = (Vec::new(), 0);
     loop {
@@ -133,7 +133,7 @@ fn seen<const D: usize>(session: &Session, scene: &Scene, units: Units) -> Seen 
         if simulation.over() {
             let centers: Vec<SVector<f64, D>> = simulation.whole_state().centers();
             let centers = centers.iter().flat_map(|center| center.iter().map(|place| place / units.length).collect::<Vec<f64>>()).collect();
-            return Seen { centers, viscosities, iterations };
+            return Observed { centers, viscosities, iterations };
         }
         simulation.step(&observation, &mut |_, _| {}).unwrap();
     }
@@ -144,10 +144,10 @@ fn seen<const D: usize>(session: &Session, scene: &Scene, units: Units) -> Seen 
 fn proof<const D: usize>(session: &Session, name: &str, text: &str, units: &[[f64; 3]], tolerance: f64) {
     let scene = Scene::parse("units", Path::new("."), text, &[]).unwrap();
     let radius = scene.bodies.iter().map(|group| group.radius).fold(f64::INFINITY, f64::min);
-    let one = seen::<D>(session, &scene, Units { length: 1.0, time: 1.0, mass: 1.0 });
+    let one = observe_run::<D>(session, &scene, Units { length: 1.0, time: 1.0, mass: 1.0 });
     for &[length, time, mass] in units {
         let units = Units { length, time, mass };
-        let other = seen::<D>(session, &scene, units);
+        let other = observe_run::<D>(session, &scene, units);
         let apart = |one: &[f64], other: &[f64], unit: f64| {
             one.iter().zip(other).map(|(one, other)| (one - other).abs() / unit).fold(0.0, f64::max)
         };

@@ -32,7 +32,7 @@ enum Promise {
 }
 
 /// What a scene came to on some number of ranks.
-enum Outcome {
+enum CaseOutcome {
     Ended(Value),
     Refused(i32, String),
 }
@@ -67,12 +67,12 @@ fn promise(line: &str) -> Option<Promise> {
     }
 }
 
-fn outcome(case: &Case, ranks: usize) -> Outcome {
+fn outcome(case: &Case, ranks: usize) -> CaseOutcome {
     let out = folder(&format!("hard-{}-{ranks}", case.name));
     let output = turbid(ranks, &["run", case.path.to_str().unwrap(), "--out", out.to_str().unwrap()]);
     match output.status.code() {
-        Some(0) => Outcome::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
-        code => Outcome::Refused(code.unwrap_or(-1), said(&output)),
+        Some(0) => CaseOutcome::Ended(serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap()),
+        code => CaseOutcome::Refused(code.unwrap_or(-1), said(&output)),
     }
 }
 
@@ -89,30 +89,30 @@ impl Case {
 
 impl Promise {
     /// What is promised, and what was seen; fails if they differ.
-    fn keep(&self, name: &str, seen: &Outcome, others: &BTreeMap<String, Value>) -> (String, String) {
-        match (self, seen) {
-            (Promise::Refused(code, text), Outcome::Refused(found, said)) => {
+    fn keep(&self, name: &str, outcome: &CaseOutcome, others: &BTreeMap<String, Value>) -> (String, String) {
+        match (self, outcome) {
+            (Promise::Refused(code, text), CaseOutcome::Refused(found, said)) => {
                 assert!(code == found && said.contains(text), "{name}: ended with {found} instead of {code}: {said}");
                 (format!("refused: `{text}`"), format!("exit code {found}"))
             }
-            (Promise::Refused(..), Outcome::Ended(_)) => panic!("{name} is not refused"),
-            (_, Outcome::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
-            (Promise::AtLeast(key, bound), Outcome::Ended(summary)) => {
+            (Promise::Refused(..), CaseOutcome::Ended(_)) => panic!("{name} is not refused"),
+            (_, CaseOutcome::Refused(code, said)) => panic!("{name}: ended with {code}: {said}"),
+            (Promise::AtLeast(key, bound), CaseOutcome::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!(found >= *bound, "{name}: {key} is {found}, promised at least {bound}");
                 (format!("`{key}` >= {bound:e}"), format!("{found:.3e}"))
             }
-            (Promise::AtMost(key, bound), Outcome::Ended(summary)) => {
+            (Promise::AtMost(key, bound), CaseOutcome::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!(found <= *bound, "{name}: {key} is {found}, promised at most {bound}");
                 (format!("`{key}` <= {bound:e}"), format!("{found:.3e}"))
             }
-            (Promise::Is(key, value, tolerance), Outcome::Ended(summary)) => {
+            (Promise::Is(key, value, tolerance), CaseOutcome::Ended(summary)) => {
                 let found = number(summary, key);
                 assert!((found - value).abs() <= *tolerance, "{name}: {key} is {found}, promised {value} +- {tolerance}");
                 (format!("`{key}` = {value} +- {tolerance:e}"), format!("{found}"))
             }
-            (Promise::SameAs(scene, key, tolerance), Outcome::Ended(summary)) => {
+            (Promise::SameAs(scene, key, tolerance), CaseOutcome::Ended(summary)) => {
                 let (found, other) = (number(summary, key), number(&others[scene.trim_end_matches(".toml")], key));
                 assert!((found / other - 1.0).abs() <= *tolerance, "{name}: {key} is {found}, in {scene} {other}");
                 (format!("`{key}` as in `{scene}` +- {tolerance:e}"), format!("{:.1e}", (found / other - 1.0).abs()))
@@ -132,16 +132,16 @@ fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
     }
     let mut rows = vec![Vec::new(); cases.len()];
     for ranks in [1, 2, 3] {
-        let seen: Vec<Outcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
-        let ended = |(case, seen): (&Case, &Outcome)| match seen {
-            Outcome::Ended(summary) => Some((case.name.clone(), summary.clone())),
-            Outcome::Refused(..) => None,
+        let outcomes: Vec<CaseOutcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
+        let ended = |(case, outcome): (&Case, &CaseOutcome)| match outcome {
+            CaseOutcome::Ended(summary) => Some((case.name.clone(), summary.clone())),
+            CaseOutcome::Refused(..) => None,
         };
-        let others: BTreeMap<String, Value> = cases.iter().zip(&seen).filter_map(ended).collect();
-        for ((case, seen), row) in cases.iter().zip(&seen).zip(&mut rows) {
+        let others: BTreeMap<String, Value> = cases.iter().zip(&outcomes).filter_map(ended).collect();
+        for ((case, outcome), row) in cases.iter().zip(&outcomes).zip(&mut rows) {
             assert!(!case.promises.is_empty(), "{} promises nothing", case.name);
             let name = format!("{} on {ranks} ranks", case.name);
-            let kept: Vec<(String, String)> = case.promises.iter().map(|promise| promise.keep(&name, seen, &others)).collect();
+            let kept: Vec<(String, String)> = case.promises.iter().map(|promise| promise.keep(&name, outcome, &others)).collect();
             row.push(kept);
         }
     }

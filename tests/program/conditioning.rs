@@ -9,8 +9,8 @@ use serde_json::Value;
 fn study(ranks: usize, out: &Path) -> Value {
     let output = turbid(ranks, &["conditioning", "--finest-2d", "64", "--finest-3d", "32", "--out", out.to_str().unwrap()]);
     assert!(output.status.success(), "on {ranks} ranks: {}", said(&output));
-    let told = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(told.matches("Reading:").count(), 6, "a sentence for each table, told once: {told}");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(printed.matches("Reading:").count(), 6, "a sentence for each table, told once: {printed}");
     serde_json::from_str(&fs::read_to_string(out.join("conditioning.json")).unwrap()).unwrap()
 }
 

@@ -121,9 +121,9 @@ fn a_study_that_is_killed_keeps_what_it_has_and_goes_on() {
     assert!(list(&after, "records").len() > kept && !after["findings"].is_null());
     assert!(fs::read_dir(&out).unwrap().all(|entry| entry.unwrap().path().is_file()), "no run is left behind");
 
-    let (again, told) = study(&scene, &out, &GRIDS);
+    let (again, said_again) = study(&scene, &out, &GRIDS);
     assert_eq!(again["records"], after["records"]);
-    assert!(told.len() < said.len(), "nothing is run, so nothing is told of runs");
+    assert!(said_again.len() < said.len(), "nothing is run, so nothing is told of runs");
     let other = turbid(1, &words(&scene, &out, &["--set", "flow.viscosity=2"]));
     assert_eq!(other.status.code(), Some(2));
     assert!(

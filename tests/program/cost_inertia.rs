@@ -57,15 +57,15 @@ fn the_error_that_is_told_of_a_steady_flow_holds_the_true_one() {
     let (reference, uncertainty) = (number(findings, "reference.values.0"), number(findings, "reference.uncertainty"));
     assert!((reference / RESISTANCE - 1.0).abs() <= uncertainty && uncertainty < 0.012, "{printed}");
     for point in list(findings, "points") {
-        let (told, right) = (number(point, "error"), number(point, "value") / RESISTANCE - 1.0);
-        assert!((told - right).abs() <= uncertainty, "{right} was told as {told}: {printed}");
+        let (reported, right) = (number(point, "error"), number(point, "value") / RESISTANCE - 1.0);
+        assert!((reported - right).abs() <= uncertainty, "{right} was told as {reported}: {printed}");
         assert!(number(point, "measured.memory_bytes") > 1e6 && number(point, "measured.solve_seconds") > 0.0);
         assert!(number(point, "measured.still_to_come") < 1e-3, "the flow is steady long before its end: {point}");
     }
     assert!(printed.contains("The flow is steady at time.end = 2: resistance by sharp, 8 cells per radius"), "{printed}");
-    let (again, told) = study(&scene, &out, &["--resolutions", "4,6,8"]);
+    let (again, printed_again) = study(&scene, &out, &["--resolutions", "4,6,8"]);
     assert_eq!(again["records"], found["records"], "nothing is measured again");
-    assert!(told.len() < printed.len() && told.contains("The flow is steady"), "{told}");
+    assert!(printed_again.len() < printed.len() && printed_again.contains("The flow is steady"), "{printed_again}");
 }
 
 #[test]

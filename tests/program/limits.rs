@@ -46,10 +46,10 @@ fn chain(section: &str, beads: usize, radius: f64) -> String {
 
 /// Names, scenes and what their refusals say.
 fn refused() -> Vec<(&'static str, String, &'static str)> {
-    let crowd = |line: &str, count: usize| line.repeat(count);
+    let repeated = |line: &str, count: usize| line.repeat(count);
     vec![
         ("wide", EMPTY.to_owned() + &bodies("centers = [[4.0, 4.0]]").replace("1.0\n", "100.0\n"), "overlaps its own periodic image"),
-        ("same", EMPTY.to_owned() + &bodies(&format!("centers = [{}]", crowd("[4.0, 4.0],", 30_000))), "overlaps body 0"),
+        ("same", EMPTY.to_owned() + &bodies(&format!("centers = [{}]", repeated("[4.0, 4.0],", 30_000))), "overlaps body 0"),
         ("crowd", EMPTY.to_owned() + &bodies("count = 30000"), "bodies[0].count = 30000: "),
         ("crowd-dry", DRY.to_owned() + &bodies("count = 30000"), "bodies[0].count = 30000: "),
         ("many", EMPTY.to_owned() + &bodies("count = 1000000000000"), "bodies[0].count = 1000000000000: "),

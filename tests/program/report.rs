@@ -87,13 +87,13 @@ fn the_viscosity_of_a_run_is_told_with_parts_that_add_up_and_why_it_has_no_mean(
     let here = folder("report-sheared");
     let (scene, out) = (write(&here, SHEARED), here.join("out"));
     let output = turbid(2, &["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()]);
-    let (told, noted) = (String::from_utf8(output.stdout.clone()).unwrap(), said(&output));
+    let (printed, noted) = (String::from_utf8(output.stdout.clone()).unwrap(), said(&output));
     assert!(output.status.success(), "{noted}");
-    let total: f64 = line(&told, "relative viscosity").split(' ').next().unwrap().parse().unwrap();
-    let parts = line(&told, "made up of");
+    let total: f64 = line(&printed, "relative viscosity").split(' ').next().unwrap().parse().unwrap();
+    let parts = line(&printed, "made up of");
     assert!(parts.contains("flow") && parts.contains("lubrication") && parts.contains("contacts"), "{parts}");
     assert!((sum(parts) - total).abs() < 1e-9, "{parts} is not {total}");
-    assert!(line(&told, "mean viscosity").starts_with("none yet: the run is too short"), "{told}");
+    assert!(line(&printed, "mean viscosity").starts_with("none yet: the run is too short"), "{printed}");
     assert_eq!(noted.matches("output.every = 0.3: frames come with the first step at or after").count(), 1, "{noted}");
 
     let page = page(&out);
@@ -125,11 +125,11 @@ fn the_viscosity_of_a_run_is_told_with_parts_that_add_up_and_why_it_has_no_mean(
 fn an_instantaneous_solve_tells_the_drag_and_leaves_a_frame() {
     let here = folder("report-sphere");
     let (scene, out) = (write(&here, SPHERE), here.join("out"));
-    let told = printed(2, &scene, &out);
-    let ratio: f64 = line(&told, "drag ratio").split(' ').next().unwrap().parse().unwrap();
+    let text = printed(2, &scene, &out);
+    let ratio: f64 = line(&text, "drag ratio").split(' ').next().unwrap().parse().unwrap();
     let drag = number(&summary(&out), "bodies.0.force.2") / (6.0 * std::f64::consts::PI * 0.25 * 2.0);
     assert!((ratio / drag - 1.0).abs() < 1e-4 && ratio > 1.5, "{ratio} {drag}");
-    assert!(line(&told, "pressure gradient").starts_with('('));
+    assert!(line(&text, "pressure gradient").starts_with('('));
 
     let frame = hdf5::File::open(out.join("frames/000000.h5")).unwrap();
     assert_eq!(frame.dataset("fields/velocity").unwrap().shape(), [16, 16, 16, 3]);
@@ -147,14 +147,14 @@ fn an_instantaneous_solve_tells_the_drag_and_leaves_a_frame() {
 fn dry_and_scalar_runs_have_pages_too() {
     let here = folder("report-dry");
     let (scene, out) = (write(&here, DRY), here.join("out"));
-    let told = printed(2, &scene, &out);
-    assert!(told.contains("mean body velocity") && told.contains("of 3 free bodies"), "{told}");
+    let text = printed(2, &scene, &out);
+    assert!(text.contains("mean body velocity") && text.contains("of 3 free bodies"), "{text}");
     let dry = page(&out);
     assert!(dry.contains("data:image/png;base64,") && dry.contains("contacts that bear a force") && dry.contains("contact_force"));
 
     let out = here.join("conduction");
-    let told = printed(1, &root().join("examples/conduction.toml"), &out);
-    assert!(told.contains("conductivity") && page(&out).contains("conductivity"));
+    let text = printed(1, &root().join("examples/conduction.toml"), &out);
+    assert!(text.contains("conductivity") && page(&out).contains("conductivity"));
     assert!(fs::read_to_string(out.join("run.log")).unwrap().contains("ended"));
     let off = here.join("off");
     run(1, &scene, &off, &["output.report=false"]);

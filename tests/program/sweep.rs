@@ -53,9 +53,9 @@ fn a_sweep_has_means_and_intervals_over_seeds_and_tells_of_failures() {
     let (scene, out) = (write(&here, DISKS), here.join("out"));
     // so many disks have no room for the gap
     let arguments = ["--vary", "bodies.0.fraction=0.1,0.3", "--vary", "bodies.0.gap=0.05,4.0", "--seeds", "3"];
-    let (found, told) = sweep(&scene, &out, &arguments);
+    let (found, printed) = sweep(&scene, &out, &arguments);
     let points = points(&found);
-    assert_eq!(points.len(), 4, "{told}");
+    assert_eq!(points.len(), 4, "{printed}");
     let one = run(1, &scene, &here.join("one"), &["bodies.0.gap=0.05", "seed=4"]);
     let record = &found["records"][1];
     assert_eq!(
@@ -69,8 +69,8 @@ fn a_sweep_has_means_and_intervals_over_seeds_and_tells_of_failures() {
         assert!(mean > 1.1 && mean < 2.5 && error > 0.0 && (half / error - 4.3027).abs() < 1e-3, "{point}");
     }
     let crowded = &points[3];
-    assert_eq!((crowded["runs"].as_u64(), crowded["failed"].as_u64()), (Some(0), Some(3)), "{told}");
-    assert!(told.contains("bodies.0.fraction = 0.3, bodies.0.gap = 4.0: seed 3: "), "{told}");
+    assert_eq!((crowded["runs"].as_u64(), crowded["failed"].as_u64()), (Some(0), Some(3)), "{printed}");
+    assert!(printed.contains("bodies.0.fraction = 0.3, bodies.0.gap = 4.0: seed 3: "), "{printed}");
 
     let mut names: Vec<_> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -117,9 +117,9 @@ fn columns_of_a_series_and_velocities_along_the_force_are_swept() {
     let here = folder("sweep-series");
     let falling = "gravity = [0, -1]\n[domain]\nsize = [4, 4]\ny = \"walls\"\n[resolution]\ncells_per_radius = 3\n[[bodies]]\nradius = 0.5\n\
                    density = 2\ncenters = [[2, 2.5]]\n[time]\nend = 0.4\nstep = 0.1\n";
-    let (found, told) = sweep(&write(&here, falling), &here.join("out"), &["--vary", "flow.viscosity=1,2"]);
+    let (found, printed) = sweep(&write(&here, falling), &here.join("out"), &["--vary", "flow.viscosity=1,2"]);
     let speeds: Vec<f64> = points(&found).iter().map(|point| number(point, "quantities.0.mean")).collect();
-    assert!(speeds[0] > 0.0 && (speeds[0] / speeds[1] - 2.0).abs() < 0.05, "{speeds:?} {told}");
+    assert!(speeds[0] > 0.0 && (speeds[0] / speeds[1] - 2.0).abs() < 0.05, "{speeds:?} {printed}");
     let dry = "gravity = [0, -1]\n[domain]\nsize = [4, 4]\n[flow]\nmodel = \"none\"\n[[bodies]]\nradius = 0.5\ncenters = [[2, 2]]\n[time]\nend = 1\nstep = 0.1\n";
     let arguments = ["--vary", "bodies.0.density=1,3", "--quantity", "series.kinetic_energy"];
     let (found, _) = sweep(&write(&here, dry), &here.join("dry"), &arguments);

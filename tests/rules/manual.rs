@@ -26,7 +26,7 @@ fn pages() -> Vec<(PathBuf, String)> {
 }
 
 /// Targets of links and pictures outside of code.
-fn links(text: &str) -> Vec<String> {
+fn link_targets(text: &str) -> Vec<String> {
     let mut fenced = false;
     let outside = text.lines().filter(|line| {
         fenced ^= line.starts_with("```");
@@ -102,7 +102,7 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn every_page_is_in_the_summary_and_every_chapter_exists() {
     let summary = fs::read_to_string(root().join("docs/SUMMARY.md")).unwrap();
-    let chapters: BTreeSet<String> = links(&summary).into_iter().collect();
+    let chapters: BTreeSet<String> = link_targets(&summary).into_iter().collect();
     let there = pages().into_iter().filter_map(|(path, _)| Some(path.strip_prefix(root().join("docs")).ok()?.to_str()?.to_owned()));
     let there: BTreeSet<String> = there.filter(|name| name != "SUMMARY.md").collect();
     assert_eq!(chapters, there);
@@ -112,7 +112,7 @@ fn every_page_is_in_the_summary_and_every_chapter_exists() {
 fn links_and_pictures_lead_to_files() {
     let (mut broken, mut count) = (Vec::new(), 0);
     for (path, text) in pages() {
-        for link in links(&text).iter().filter(|link| !link.starts_with("http") && !link.starts_with('#')) {
+        for link in link_targets(&text).iter().filter(|link| !link.starts_with("http") && !link.starts_with('#')) {
             count += 1;
             let file = path.parent().unwrap().join(link.split('#').next().unwrap());
             if !file.exists() {

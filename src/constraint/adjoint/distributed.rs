@@ -10,7 +10,7 @@ use std::rc::Rc;
 use super::{
     LATTICE_BYTES,
     body::AdjointBody,
-    equations::{Equations, Identity, RowEquations},
+    equations::{Equations, RowEquations, UnitInverse},
     inertia::AdjointMethod,
     nodes::{AdjointNodes, Collector, within_walls},
     rigid::{motions, push_readings},
@@ -79,7 +79,7 @@ fn assemble<const D: usize>(grid: &Grid<D>, placed: &Placed<D>, shift: f64) -> A
         strengths: [surface.modes.force_factor() / cell, (2.0 / spacing.powi(2) + shift) / weight.powi(2)],
         compliance: Vec::new(),
         others: nodes.count(),
-        inverse: Rc::new(Identity),
+        inverse: Rc::new(UnitInverse),
     };
     AdjointBody { nodes, rows, wall_values: Vec::new(), equations: Equations::Rows(equations), cell, interior: None }
 }

@@ -37,7 +37,7 @@ pub struct RowEquations {
 }
 
 /// The inverse of rows and multipliers that are scaled well.
-pub struct Identity;
+pub struct UnitInverse;
 
 /// The inverse of strains, each scaled by a factor, and stresses likewise.
 pub struct ScaledElastic {
@@ -47,7 +47,7 @@ pub struct ScaledElastic {
     pub scales: Vec<f64>,
 }
 
-impl FreeInverse for Identity {
+impl FreeInverse for UnitInverse {
     fn apply(&self, input: &[f64], output: &mut [f64]) {
         output.copy_from_slice(input);
     }

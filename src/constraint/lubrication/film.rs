@@ -151,8 +151,8 @@ pub fn approach<const D: usize>(
     let swap = other.is_some_and(|(radius, _)| radius < body.0);
     let ((radius, order), second) = if swap { (other?, Some(body)) } else { (body, other) };
     let table = tables.of::<D>(order, second.map(|(larger, order)| (order, larger / radius)));
-    let seen = (gap / radius).max(roughness);
-    (seen < table.reach()).then(|| table.missing(seen).approach * radius.powi(D as i32 - 2))
+    let effective_gap = (gap / radius).max(roughness);
+    (effective_gap < table.reach()).then(|| table.missing(effective_gap).approach * radius.powi(D as i32 - 2))
 }
 
 fn film<const D: usize>(
@@ -162,11 +162,11 @@ fn film<const D: usize>(
     (separation, gap): (SVector<f64, D>, f64),
     roughness: f64,
 ) -> Option<LubricationPair<D>> {
-    let seen = gap.max(roughness);
-    if seen >= table.reach() {
+    let effective_gap = gap.max(roughness);
+    if effective_gap >= table.reach() {
         return None;
     }
-    let missing = part(table, seen);
+    let missing = part(table, effective_gap);
     let normal = separation.normalize();
     // the middle of the film, so that a rigid motion of both sides has no rate
     let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];

@@ -46,11 +46,11 @@ pub struct FilmTable {
 #[derive(Default)]
 pub struct FilmTables {
     exact: ExactTables,
-    tables: RefCell<BTreeMap<Key, Rc<FilmTable>>>,
+    tables: RefCell<BTreeMap<FilmKey, Rc<FilmTable>>>,
 }
 
 /// Orders of the smaller and the larger body, and their ratio; no second body is a wall.
-type Key = (usize, Option<(usize, RatioNode)>);
+type FilmKey = (usize, Option<(usize, RatioNode)>);
 
 impl FilmTables {
     /// The table of a body with modes up to an order and a second one, of another order and so many times as large (at least once), or a wall.
@@ -71,7 +71,7 @@ impl FilmTables {
         mean
     }
 
-    fn at_node<const D: usize>(&self, key: Key) -> Rc<FilmTable> {
+    fn at_node<const D: usize>(&self, key: FilmKey) -> Rc<FilmTable> {
         let anew = || {
             let (order, second) = key;
             let exact = self.exact.of::<D>(second.map(|(_, node)| (node.ratio(), node.lift)));
@@ -240,7 +240,7 @@ mod tests {
     /// Largest difference of two resistances, each number over the exact one of its kind, and of the larger body over its radius.
     fn difference(found: &Resistance, direct: &Resistance, exact: &Resistance, radius: f64) -> f64 {
         let across = exact.slip.max(exact.roll);
-        let kinds = [
+        let scales = [
             exact.approach,
             across,
             across,
@@ -253,7 +253,7 @@ mod tests {
             across * radius,
         ];
         let differences = found.with(direct, |one, other| (one - other).abs()).numbers();
-        differences.iter().zip(kinds).map(|(difference, kind)| difference / kind).fold(0.0, f64::max)
+        differences.iter().zip(scales).map(|(difference, scale)| difference / scale).fold(0.0, f64::max)
     }
 
     /// Ratios up to 4 and gaps from 1e-4 on, without a pattern.

@@ -74,20 +74,20 @@ impl Pattern {
         &self,
         (turns, values): (&[f32], &[f32]),
         (wanted, places): (&[f64], [usize; 2]),
-        [seen, answer]: &mut [Vec<f64>; 2],
+        [rotated, answer]: &mut [Vec<f64>; 2],
         found: &mut [f64],
     ) {
-        seen.resize(self.size, 0.0);
+        rotated.resize(self.size, 0.0);
         answer.clear();
         answer.resize(self.size, 0.0);
         vectorized(
             #[inline(always)]
             || {
                 for (end, place) in self.ends.iter().zip(places) {
-                    end.turn(turns, &wanted[place..], seen);
+                    end.turn(turns, &wanted[place..], rotated);
                 }
-                self.fold(seen);
-                self.multiply(values, seen, answer);
+                self.fold(rotated);
+                self.multiply(values, rotated, answer);
                 self.fold(answer);
                 for (end, place) in self.ends.iter().zip(places) {
                     end.turn_back(turns, answer, &mut found[place..]);
@@ -112,16 +112,16 @@ impl Pattern {
     }
 
     #[inline(always)]
-    fn multiply(&self, mut values: &[f32], mut seen: &[f64], mut answer: &mut [f64]) {
+    fn multiply(&self, mut values: &[f32], mut rotated: &[f64], mut answer: &mut [f64]) {
         for channel in &self.channels {
             let [first, second] = channel.modes.each_ref().map(Vec::len);
             let (size, count) = if self.equal { (first, 2) } else { (first + second, 1) };
             for _ in 0..count {
                 let (block, later) = values.split_at(size * size);
-                let (input, others) = seen.split_at(size);
+                let (input, others) = rotated.split_at(size);
                 let (output, following) = answer.split_at_mut(size);
                 multiply_block(block, input, output);
-                (values, seen, answer) = (later, others, following);
+                (values, rotated, answer) = (later, others, following);
             }
         }
     }
@@ -152,12 +152,12 @@ impl PairEnd {
     }
 
     #[inline(always)]
-    fn turn(&self, turns: &[f32], wanted: &[f64], seen: &mut [f64]) {
+    fn turn(&self, turns: &[f32], wanted: &[f64], rotated: &mut [f64]) {
         for PlacedBlock { family, slots } in &self.families {
             let rows = turns[family.matrix..].chunks_exact(slots.len());
             for ((slot, flip), row) in slots.iter().zip(&family.parities).zip(rows) {
                 let sum: f64 = family.modes.iter().zip(row).map(|(&mode, &entry)| wanted[mode] * f64::from(entry)).sum();
-                seen[*slot] = flip * sum;
+                rotated[*slot] = flip * sum;
             }
         }
     }

@@ -36,11 +36,11 @@ pub enum Given {
 pub struct PairTables<const D: usize> {
     /// What the corrections are for.
     pub given: Given,
-    tables: RefCell<BTreeMap<Key, Rc<PairTable>>>,
+    tables: RefCell<BTreeMap<TableKey, Rc<PairTable>>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
+struct TableKey {
     orders: [usize; 2],
     ratio: i32,
 }
@@ -65,13 +65,13 @@ impl<const D: usize> PairTables<D> {
 
     /// The table of two bodies of given orders and radii.
     pub fn of(&self, orders: [usize; 2], radii: [f64; 2]) -> Rc<PairTable> {
-        let key = Key { orders, ratio: ((radii[1] / radii[0]).log2() * STEPS_PER_OCTAVE).round() as i32 };
+        let key = TableKey { orders, ratio: ((radii[1] / radii[0]).log2() * STEPS_PER_OCTAVE).round() as i32 };
         self.tables.borrow_mut().entry(key).or_insert_with(|| Rc::new(PairTable::new::<D>(key, self.given))).clone()
     }
 }
 
 impl PairTable {
-    fn new<const D: usize>(key: Key, given: Given) -> PairTable {
+    fn new<const D: usize>(key: TableKey, given: Given) -> PairTable {
         let second = (f64::from(key.ratio) / STEPS_PER_OCTAVE).exp2();
         let sides = [PairSide::<D>::new(1.0, key.orders[0]), PairSide::new(second, key.orders[1])];
         let equal = key.ratio == 0 && key.orders[0] == key.orders[1];

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::{
     envelope::Envelope,
-    graph::{CellGraph, Edge, filled_parts},
+    graph::{CellEdge, CellGraph, filled_parts},
     inclusion::{Inclusion, InclusionBlocks},
 };
 use crate::{
@@ -32,12 +32,12 @@ struct Cells<const D: usize> {
 }
 
 /// The Laplacian of the edges between cells alone.
-struct Laplacian(Vec<Edge>);
+struct Laplacian(Vec<CellEdge>);
 
 impl FreeInverse for Laplacian {
     fn apply(&self, input: &[f64], output: &mut [f64]) {
         output.fill(0.0);
-        for &Edge { cells: [one, two], weight } in &self.0 {
+        for &CellEdge { cells: [one, two], weight } in &self.0 {
             let flux = weight * (input[one] - input[two]);
             output[one] += flux;
             output[two] -= flux;
@@ -51,7 +51,7 @@ pub fn blocks<const D: usize>(
     ball: &Ball<D>,
     cells: CellGraph<D>,
     compliance: Option<Envelope>,
-    edges: Vec<Edge>,
+    edges: Vec<CellEdge>,
 ) -> InclusionBlocks<D> {
     let (unknowns, parts) = filled_parts(grid, ball);
     let volume = grid.spacing().product();

@@ -1,6 +1,6 @@
 //! The potential of sources in one inclusion, which nothing but its own edges holds together.
 
-use super::graph::Edge;
+use super::graph::CellEdge;
 use crate::linalg::Skyline;
 
 /// Cholesky factors of the Laplacian of its cells, of which one is held: the one that edges hold best, because what rounding makes of the
@@ -12,9 +12,9 @@ pub struct Envelope {
 
 impl Envelope {
     /// Factors the Laplacian of cells that their edges connect.
-    pub fn new(cells: usize, edges: &[Edge]) -> Envelope {
+    pub fn new(cells: usize, edges: &[CellEdge]) -> Envelope {
         let held = best_held(cells, edges);
-        let rows = |edge: &Edge| edge.cells.map(|cell| row_of(cell, held));
+        let rows = |edge: &CellEdge| edge.cells.map(|cell| row_of(cell, held));
         let mut firsts: Vec<usize> = (0..cells - 1).collect();
         for edge in edges {
             if let [Some(one), Some(two)] = rows(edge) {
@@ -44,7 +44,7 @@ impl Envelope {
 }
 
 /// The cell whose edges weigh most.
-fn best_held(cells: usize, edges: &[Edge]) -> usize {
+fn best_held(cells: usize, edges: &[CellEdge]) -> usize {
     let mut weights = vec![0.0; cells];
     edges.iter().for_each(|edge| edge.cells.iter().for_each(|&cell| weights[cell] += edge.weight));
     (0..cells).max_by(|&one, &two| weights[one].total_cmp(&weights[two])).unwrap_or(0)
@@ -61,8 +61,8 @@ mod tests {
 
     #[test]
     fn the_laplacian_of_the_potential_is_the_source() {
-        let edge = |one: usize, two: usize| Edge { cells: [one, two], weight: 1.0 + (one * two) as f64 };
-        let edges: Vec<Edge> = (0..3)
+        let edge = |one: usize, two: usize| CellEdge { cells: [one, two], weight: 1.0 + (one * two) as f64 };
+        let edges: Vec<CellEdge> = (0..3)
             .flat_map(|x| (0..4).map(move |y| 4 * x + y))
             .flat_map(|cell| {
                 let (up, right) = ((cell % 4 < 3).then(|| edge(cell + 1, cell)), (cell < 8).then(|| edge(cell, cell + 4)));
@@ -75,7 +75,7 @@ mod tests {
         let mut potential = vec![0.0; 12];
         Envelope::new(12, &edges).add_potential(&sources, &mut potential);
         assert!(potential.iter().sum::<f64>().abs() < 1e-13);
-        for &Edge { cells: [one, two], weight } in &edges {
+        for &CellEdge { cells: [one, two], weight } in &edges {
             let flux = weight * (potential[one] - potential[two]);
             sources[one] -= flux;
             sources[two] += flux;

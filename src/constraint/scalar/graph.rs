@@ -10,7 +10,7 @@ use crate::{
 
 /// Two neighbouring cells, by their numbers in a list of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Edge {
+pub struct CellEdge {
     /// The cells.
     pub cells: [usize; 2],
     /// Weight in a Laplacian.
@@ -24,7 +24,7 @@ pub struct CellGraph<const D: usize> {
     /// Their centres, from that of the inclusion.
     pub offsets: Vec<SVector<f64, D>>,
     /// Edges, with the weights of the Laplacian.
-    pub edges: Vec<Edge>,
+    pub edges: Vec<CellEdge>,
     /// The middles of the edges, from the centre of the inclusion.
     pub middles: Vec<SVector<f64, D>>,
 }
@@ -51,7 +51,7 @@ impl<const D: usize> CellGraph<D> {
             let ends = [one, moved(one, axis, 1)];
             if within(ends[1]) && belongs(ends) {
                 let cells = ends.map(|index| *numbers[indices.place(index)].get_or_insert_with(|| found.add(grid, ball, index)));
-                found.edges.push(Edge { cells, weight: grid.spacing()[axis].powi(-2) });
+                found.edges.push(CellEdge { cells, weight: grid.spacing()[axis].powi(-2) });
                 found.middles.push(middle(grid, ends) - ball.center);
             }
         }

@@ -18,7 +18,7 @@ use nalgebra::SVector;
 use super::{
     cells::blocks,
     envelope::Envelope,
-    graph::{CellGraph, Edge},
+    graph::{CellEdge, CellGraph},
     inclusion::InclusionBlocks,
 };
 use crate::{
@@ -62,11 +62,12 @@ fn assemble<const D: usize>(grid: &Grid<D>, ball: &Ball<D>, epsilon: f64) -> Inc
     let touched = CellGraph::touched(grid, ball);
     let round = Ball { center: SVector::zeros(), radius: ball.radius };
     let excess = touched.middles.iter().map(|middle| (1.0 - epsilon) * fraction(&round, middle, &grid.spacing()).max(SMALLEST_PART));
-    let edges: Vec<Edge> = touched.edges.iter().zip(excess).map(|(edge, part)| Edge { weight: edge.weight * part, ..*edge }).collect();
+    let edges: Vec<CellEdge> =
+        touched.edges.iter().zip(excess).map(|(edge, part)| CellEdge { weight: edge.weight * part, ..*edge }).collect();
     let conducting = touched.edges.iter().zip(&edges).map(|(whole, edge)| {
         let part = edge.weight / whole.weight;
-        Edge { weight: edge.weight / (1.0 - part), ..*edge }
+        CellEdge { weight: edge.weight / (1.0 - part), ..*edge }
     });
-    let compliance = Envelope::new(touched.unknowns.len(), &conducting.collect::<Vec<Edge>>());
+    let compliance = Envelope::new(touched.unknowns.len(), &conducting.collect::<Vec<CellEdge>>());
     blocks(grid, ball, touched, Some(compliance), edges)
 }

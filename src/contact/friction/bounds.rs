@@ -1,11 +1,11 @@
-//! What bounds the tangential impulses of links: a coefficient times a normal impulse, of the link itself or of the contact that it turns, above a load.
+//! What bounds the tangential impulses of row blocks: a coefficient times a normal impulse, of the row block itself or of the contact that it turns, above a load.
 
 use super::cone::tangential_size;
 
-/// Which normal impulse bounds the tangential one of a link, and from which on.
+/// Which normal impulse bounds the tangential one of a row block, and from which on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// The place of the link that has it: of a contact that of itself, of rolling and twisting that of the contact.
+    /// The place of the row block that has it: of a contact that of itself, of rolling and twisting that of the contact.
     pub leader: usize,
     /// The critical load, in the rows of the leader.
     pub load: f64,
@@ -14,7 +14,7 @@ pub struct Bound {
 /// The largest tangential impulse at a normal one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// The coefficient, in the rows of the link.
+    /// The coefficient, in its rows.
     pub friction: f64,
     /// The critical load.
     pub load: f64,

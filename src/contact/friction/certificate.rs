@@ -82,7 +82,7 @@ impl<const D: usize> Certified<'_, D> {
         let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration: step };
         let (wanted, after) = (island(self.twists).program::<W>(), island(self.ends).program::<W>());
         let impulses = island(self.ends).impulses(&after, &[*wrench]);
-        let velocities: Vec<[f64; D]> = after.links.iter().map(|link| link.offset).collect();
+        let velocities: Vec<[f64; D]> = after.row_blocks.iter().map(|row_block| row_block.offset).collect();
         let miss = (0..impulses.len()).map(|place| after.miss(place, &impulses, &velocities[place])).fold(0.0, f64::max);
         Judged { miss, unit: wanted.unit, state: after.state(0, &impulses, &velocities) }
     }

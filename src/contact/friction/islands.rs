@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::{ContactWrench, FrictionLaw, FrictionShare, SurfaceFriction, exact::solve_exactly, program::FrictionIsland};
+use super::{ContactWrench, FrictionLaw, FrictionShare, SurfaceFriction, program::FrictionIsland, solver::exact::solve_exactly};
 use crate::{
     body::{Twist, components, skew},
     contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},

@@ -12,28 +12,28 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     /// Whether no motion of its bodies keeps all contacts, as a solver of convex programs finds it; nothing if it finds neither. Where couples resist, a motion
     /// must keep the sum of all bounds of a contact: one that keeps each alone says nothing.
     pub fn is_jammed(&self) -> Option<bool> {
-        let rows: Vec<[f64; D]> = self.links.iter().flat_map(|link| cone_rows(link.friction)).collect();
-        let per_link = if rows.is_empty() { return Some(false) } else { rows.len() / self.links.len() };
+        let rows: Vec<[f64; D]> = self.row_blocks.iter().flat_map(|row_block| cone_rows(row_block.friction)).collect();
+        let per_block = if rows.is_empty() { return Some(false) } else { rows.len() / self.row_blocks.len() };
         let (mut places, mut entries, mut starts, mut offsets) = (Vec::new(), Vec::new(), vec![0], Vec::new());
         for (number, row) in rows.iter().enumerate() {
-            let link = &self.links[number / per_link];
+            let row_block = &self.row_blocks[number / per_block];
             let of = |values: &dyn Fn(usize) -> f64| (0..D).map(|axis| row[axis] * values(axis)).sum::<f64>();
-            let mut sides: Vec<_> = link.sides().collect();
+            let mut sides: Vec<_> = row_block.sides().collect();
             sides.sort_unstable_by_key(|(body, _)| *body);
             for (body, rows) in sides {
                 places.extend((0..W).map(|entry| body * W + entry));
                 entries.extend((0..W).map(|entry| of(&|axis| rows[axis][entry])));
             }
             starts.push(places.len());
-            offsets.push(of(&|axis| link.offset[axis] / self.unit));
+            offsets.push(of(&|axis| row_block.offset[axis] / self.unit));
         }
         let cone = |count: usize| match D {
             2 => SupportedConeT::NonnegativeConeT(count),
             _ => SupportedConeT::SecondOrderConeT(count),
         };
         let transposed = CscMatrix::new(W * self.bodies, offsets.len(), starts, places, entries);
-        let answer = solve_in_cones(&transposed, &offsets, &vec![cone(per_link); self.links.len()])?;
-        let says = answer.infeasible || answer.solved && (0..self.links.len()).all(|link| !self.follows(link));
+        let answer = solve_in_cones(&transposed, &offsets, &vec![cone(per_block); self.row_blocks.len()])?;
+        let says = answer.infeasible || answer.solved && (0..self.row_blocks.len()).all(|row_block| !self.follows(row_block));
         says.then_some(answer.infeasible)
     }
 }

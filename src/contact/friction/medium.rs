@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::link::{Link, NONE};
+use super::row_block::{NONE, RowBlock};
 use crate::contact::solver::block_lu::{BlockLu, Blocks};
 
 /// What resists the motions of two bodies, or of one.
@@ -126,17 +126,17 @@ impl<const W: usize> Medium<W> {
     }
 
     /// For each contact what a unit impulse along each of its rows moves it by while all other bodies are at rest, and nothing is tied to them.
-    pub fn own_mobilities<const D: usize>(&self, links: &[Link<D, W>]) -> Vec<[f64; D]> {
+    pub fn own_mobilities<const D: usize>(&self, row_blocks: &[RowBlock<D, W>]) -> Vec<[f64; D]> {
         let mut blocks = HashMap::<[usize; 2], DMatrix<f64>>::new();
         for (pair, block) in self.resisting.iter().filter(|resisting| !resisting.ties).flat_map(Resisting::each::<W>) {
             *blocks.entry(pair).or_insert_with(|| DMatrix::zeros(W, W)) += DMatrix::from_row_slice(W, W, block);
         }
-        links.iter().map(|link| own_mobility(link, &blocks)).collect()
+        row_blocks.iter().map(|row_block| own_mobility(row_block, &blocks)).collect()
     }
 }
 
-fn own_mobility<const D: usize, const W: usize>(link: &Link<D, W>, blocks: &HashMap<[usize; 2], DMatrix<f64>>) -> [f64; D] {
-    let sides: Vec<(usize, &[[f64; W]; D])> = link.sides().collect();
+fn own_mobility<const D: usize, const W: usize>(row_block: &RowBlock<D, W>, blocks: &HashMap<[usize; 2], DMatrix<f64>>) -> [f64; D] {
+    let sides: Vec<(usize, &[[f64; W]; D])> = row_block.sides().collect();
     let mut resistance = DMatrix::identity(W * sides.len(), W * sides.len());
     for (row, (one, _)) in sides.iter().enumerate() {
         for (column, (other, _)) in sides.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! By how much the links of a program miss their bounds, and what they do.
+//! By how much the row blocks of a program miss their bounds, and what they do.
 
 use super::{
     bounds::{Limit, shortened},
@@ -7,9 +7,9 @@ use super::{
 };
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
-    /// What bounds the tangential impulse of a link.
+    /// What bounds the tangential impulse of a row block.
     pub fn limit(&self, place: usize) -> Limit {
-        Limit { friction: self.links[place].friction, load: self.bounds.get(place).map_or(0.0, |bound| bound.load) }
+        Limit { friction: self.row_blocks[place].friction, load: self.bounds.get(place).map_or(0.0, |bound| bound.load) }
     }
 
     /// The contact whose normal impulse that is.
@@ -17,12 +17,12 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         self.bounds.get(place).map_or(place, |bound| bound.leader)
     }
 
-    /// Whether a link turns a contact, and has no normal impulse.
+    /// Whether a row block turns a contact, and has no normal impulse.
     pub fn follows(&self, place: usize) -> bool {
         self.leader(place) != place
     }
 
-    /// The largest component by which a link misses its part of the law: the natural map; with a load that of the normal and of the tangential part alone.
+    /// The largest component by which a row block misses its part of the law: the natural map; with a load that of the normal and of the tangential part alone.
     pub fn miss(&self, place: usize, forces: &[[f64; D]], velocity: &[f64; D]) -> f64 {
         let force = &forces[place];
         let Limit { friction, load } = self.limit(place);
@@ -36,7 +36,7 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         if self.follows(place) { across } else { larger(across, (normal - aim[0].max(0.0)).abs()) }
     }
 
-    /// What a link does.
+    /// What a row block does.
     pub fn state(&self, place: usize, forces: &[[f64; D]], velocities: &[[f64; D]]) -> ContactState {
         let (limit, leader) = (self.limit(place), self.leader(place));
         let aim: [f64; D] = std::array::from_fn(|axis| forces[place][axis] - velocities[place][axis]);

@@ -10,49 +10,40 @@
 //! An island is solved by sweeps and an interior point of the exact law; where neither reaches the tolerance the best forces are taken, and the residual
 //! is told. In any case the least change of velocities follows with which nothing overlaps; its forces are normal ones, and add to those found.
 
-mod bordered;
 mod bounds;
 mod certificate;
 mod cone;
-mod exact;
+mod flow;
 mod frame;
-mod held_contact;
-mod held_rows;
-mod in_flow;
-mod interior_point;
 mod islands;
 mod jamming;
 mod law;
-mod link;
 mod medium;
 mod misses;
-mod network;
-mod pairs;
 mod program;
 mod project;
+mod row_block;
 mod secant;
 mod share;
+mod solver;
 mod surfaces;
-mod sweeps;
 mod tied;
-mod tied_contacts;
-mod tied_report;
 mod turns;
 
 #[cfg(test)]
 mod tests;
 
 pub use cone::ContactState;
+pub use flow::held_contact::HeldContact;
+pub use flow::held_rows::HeldRow;
+pub use flow::in_flow::FlowContacts;
+pub use flow::network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use frame::carried;
-pub use held_contact::HeldContact;
-pub use held_rows::HeldRow;
-pub use in_flow::FlowContacts;
 pub use law::FrictionLaw;
-pub use network::{ImmersedBodies, NearResistance, NetworkResistance};
 pub use program::FrictionIsland;
 pub use project::project_with_friction;
 pub use share::{FrictionProjection, FrictionShare};
 pub use surfaces::SurfaceFriction;
-pub use tied::{RigidTwists, TiedFriction, TiedWrenches};
-pub use tied_contacts::contacts_on_the_way;
+pub use tied::contacts::contacts_on_the_way;
+pub use tied::islands::{RigidTwists, TiedFriction, TiedWrenches};
 pub use turns::ContactWrench;

@@ -10,8 +10,8 @@ use super::{
     bounds::Bound,
     cone::larger,
     frame::Frame,
-    link::{Link, NONE},
     medium::Medium,
+    row_block::{NONE, RowBlock},
     secant::{MobilityMode, combined, dot},
 };
 use crate::{
@@ -26,8 +26,8 @@ pub struct FrictionProgram<const D: usize, const W: usize> {
     /// Bodies that give way.
     pub bodies: usize,
     /// The contacts, in order, and then what turns them.
-    pub links: Vec<Link<D, W>>,
-    /// What bounds the tangential impulse of each link; none where that is the normal one of each alone.
+    pub row_blocks: Vec<RowBlock<D, W>>,
+    /// What bounds the tangential impulse of each row block; none where that is the normal one of each alone.
     pub bounds: Vec<Bound>,
     /// The largest component of `q`.
     pub unit: f64,
@@ -69,14 +69,14 @@ impl<const D: usize> FrictionIsland<'_, D> {
 
     /// That of more bodies that give way than have contacts, in order.
     pub fn program_of<const W: usize>(&self, free: &[usize]) -> FrictionProgram<D, W> {
-        let links: Vec<Link<D, W>> =
-            self.contacts.iter().zip(self.laws).map(|(contact, law)| self.link(contact, law.coefficient, free)).collect();
-        let (links, bounds) = self.with_turns(links, free);
-        let unit = links.iter().flat_map(|link| link.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
-        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), links, bounds, unit, modes: Vec::new() }
+        let row_blocks: Vec<RowBlock<D, W>> =
+            self.contacts.iter().zip(self.laws).map(|(contact, law)| self.row_block(contact, law.coefficient, free)).collect();
+        let (row_blocks, bounds) = self.with_turns(row_blocks, free);
+        let unit = row_blocks.iter().flat_map(|row_block| row_block.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
+        FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), row_blocks, bounds, unit, modes: Vec::new() }
     }
 
-    fn link<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> Link<D, W> {
+    fn row_block<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> RowBlock<D, W> {
         let frame = Frame::new(contact, self.balls);
         let mut ends: Vec<(usize, [[f64; W]; D])> = Vec::with_capacity(2);
         for (body, sign, arm) in [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, frame.arms[1])] {
@@ -92,8 +92,9 @@ impl<const D: usize> FrictionIsland<'_, D> {
         offset.iter_mut().zip(norms).for_each(|(offset, norm)| *offset /= norm);
         let end = |number: usize| ends.get(number).map_or(NONE, |end| end.0);
         let rows = |number: usize| ends.get(number).map_or([[0.0; W]; D], |end| end.1);
-        let link = Link { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction: coefficient * norms[1] / norms[0], norms };
-        if coefficient > 0.0 { link } else { link.without_friction() }
+        let row_block =
+            RowBlock { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction: coefficient * norms[1] / norms[0], norms };
+        if coefficient > 0.0 { row_block } else { row_block.without_friction() }
     }
 
     /// How the motion of a body, times roots of mass and inertia, changes the velocity of a contact.
@@ -112,26 +113,26 @@ impl<const D: usize> FrictionIsland<'_, D> {
 }
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
-    /// That of these links alone, in order, of which none turns a contact that is none of them.
+    /// That of these row blocks alone, in order, of which none turns a contact that is none of them.
     pub fn part(&self, places: &[usize]) -> FrictionProgram<D, W> {
-        let links = places.iter().map(|&place| self.links[place].clone()).collect();
+        let row_blocks = places.iter().map(|&place| self.row_blocks[place].clone()).collect();
         let place = |whole: usize| places.binary_search(&whole).expect("the contact is one of them");
         let bound = |bound: &Bound| Bound { leader: place(bound.leader), ..*bound };
         let bounds = places.iter().filter_map(|&whole| self.bounds.get(whole).map(bound)).collect();
         let of_mode = |mode: &MobilityMode<D>| MobilityMode { rates: places.iter().map(|&place| mode.rates[place]).collect(), ..*mode };
         let modes = self.modes.iter().map(of_mode).collect();
-        FrictionProgram { links, bounds, medium: self.medium.clone(), modes, ..*self }
+        FrictionProgram { row_blocks, bounds, medium: self.medium.clone(), modes, ..*self }
     }
 
     /// The two bodies of each contact; the same twice if it has one.
     pub fn touches(&self) -> Vec<[usize; 2]> {
-        self.links.iter().map(|link| if link.ends[1] == NONE { [link.ends[0]; 2] } else { link.ends }).collect()
+        self.row_blocks.iter().map(|row_block| if row_block.ends[1] == NONE { [row_block.ends[0]; 2] } else { row_block.ends }).collect()
     }
 
     /// `A^T r`.
     pub fn pushes(&self, forces: &[[f64; D]]) -> Vec<[f64; W]> {
         let mut pushes = vec![[0.0; W]; self.bodies];
-        self.links.iter().zip(forces).for_each(|(link, force)| link.push(force, &mut pushes));
+        self.row_blocks.iter().zip(forces).for_each(|(row_block, force)| row_block.push(force, &mut pushes));
         pushes
     }
 
@@ -142,13 +143,13 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
 
     /// The same contacts of bodies that a medium resists too, in rows by which a contact alone moves as fast as it is pushed.
     pub fn in_medium(mut self, medium: Medium<W>) -> Self {
-        let mobilities = medium.own_mobilities(&self.links);
-        for (link, mobility) in self.links.iter_mut().zip(&mobilities) {
+        let mobilities = medium.own_mobilities(&self.row_blocks);
+        for (row_block, mobility) in self.row_blocks.iter_mut().zip(&mobilities) {
             // nothing moves a contact without friction along its tangents, nor one that twists about them
             let moved = mobility[1..].iter().filter(|mobility| **mobility > 0.0);
             let (sum, count) = moved.fold((0.0, 0), |(sum, count), mobility| (sum + mobility, count + 1));
             let tangential = if count > 0 { sum / f64::from(count) } else { 1.0 };
-            link.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
+            row_block.scale(&std::array::from_fn(|axis| (if axis == 0 { mobility[0] } else { tangential }).sqrt()));
         }
         let mobility_of = |leader: usize| mobilities[leader][0].sqrt();
         self.bounds.iter_mut().for_each(|bound| bound.load *= mobility_of(bound.leader));
@@ -173,12 +174,12 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
 
     /// `u = A x + q`, without what corrects the mobility.
     pub fn velocities(&self, motion: &[[f64; W]]) -> Vec<[f64; D]> {
-        let velocity = |link: &Link<D, W>| {
-            let mut velocity = link.rates(motion);
-            velocity.iter_mut().zip(link.offset).for_each(|(velocity, offset)| *velocity += offset);
+        let velocity = |row_block: &RowBlock<D, W>| {
+            let mut velocity = row_block.rates(motion);
+            velocity.iter_mut().zip(row_block.offset).for_each(|(velocity, offset)| *velocity += offset);
             velocity
         };
-        self.links.iter().map(velocity).collect()
+        self.row_blocks.iter().map(velocity).collect()
     }
 
     /// The largest component of the natural map, over the largest of `q`.

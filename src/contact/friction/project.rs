@@ -47,8 +47,8 @@ struct Rounds<'a, const D: usize> {
     cost: Cost,
 }
 
-/// Bodies that are seen.
-struct Seen<const D: usize> {
+/// Bodies that this rank knows.
+struct LocalView<const D: usize> {
     view: View<D>,
     masses: Vec<[f64; 2]>,
     twists: Vec<Twist<D>>,
@@ -158,15 +158,15 @@ impl<'a, const D: usize> Rounds<'a, D> {
 
     /// Finds the forces with friction, from those that are known.
     fn solve(&mut self) {
-        let seen = self.look(self.contacts.values().copied().collect(), self.share.problem.velocities);
-        let Seen { view, masses, twists, contacts } = &seen;
+        let local = self.local_view(self.contacts.values().copied().collect(), self.share.problem.velocities);
+        let LocalView { view, masses, twists, contacts } = &local;
         let guess = |identity: &Identity<D>| (self.wrenches[identity], !self.fresh.contains(identity));
         let shared = Shared { peers: self.peers, view, share: self.share, masses, twists, contacts };
         let (wrenches, cost) = shared.solve(self.friction, &guess);
         self.wrenches = wrenches;
         self.fresh.clear();
         self.cost = Cost { sweeps: self.cost.sweeps.max(cost.sweeps), iterations: self.cost.iterations.max(cost.iterations) };
-        self.changes = self.changes_of(&seen, &|contact| self.wrenches[&view.identity(contact)]);
+        self.changes = self.changes_of(&local, &|contact| self.wrenches[&view.identity(contact)]);
     }
 
     /// How own bodies move with these velocities.
@@ -175,18 +175,22 @@ impl<'a, const D: usize> Rounds<'a, D> {
     }
 
     /// Bodies as they are and as they may move, with contacts of bodies by number.
-    fn look(&self, known: Vec<Contact<D>>, velocities: &[SVector<f64, D>]) -> Seen<D> {
+    fn local_view(&self, known: Vec<Contact<D>>, velocities: &[SVector<f64, D>]) -> LocalView<D> {
         let (peers, problem) = (self.peers, &self.share.problem);
         let view = View::new(peers, self.share, &self.motions(velocities), 0.0, &known);
         let inertias = view.halo.spread(peers, self.friction.inertias);
         let masses = view.weights.iter().zip(inertias).map(|(weight, inertia)| [weight * problem.step, inertia]).collect();
         let twists = view.halo.spread_twists(peers, problem.velocities, self.friction.spins);
         let contacts = known.iter().map(|contact| view.placed(contact)).collect();
-        Seen { view, masses, twists, contacts }
+        LocalView { view, masses, twists, contacts }
     }
 
     /// What wrenches at contacts change the motions of own bodies by.
-    fn changes_of(&self, Seen { view, masses, contacts, .. }: &Seen<D>, wrench: &dyn Fn(&Contact<D>) -> ContactWrench<D>) -> Vec<Twist<D>> {
+    fn changes_of(
+        &self,
+        LocalView { view, masses, contacts, .. }: &LocalView<D>,
+        wrench: &dyn Fn(&Contact<D>) -> ContactWrench<D>,
+    ) -> Vec<Twist<D>> {
         let mut changes = vec![Twist::zero(); view.halo.len()];
         for contact in contacts {
             let (step, ContactWrench { force, couple }) = (self.share.problem.step, wrench(contact));
@@ -205,10 +209,10 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let spins: Vec<SMatrix<f64, D, D>> =
             self.friction.spins.iter().zip(&self.changes).map(|(spin, change)| spin + change.spin).collect();
         let wrenches = self.whole_wrenches(&found);
-        let seen = self.look(wrenches.values().map(|(contact, _)| *contact).collect(), &found.projection.velocities);
-        let ends = seen.view.halo.spread_twists(self.peers, &found.projection.velocities, &spins);
-        let whole = |contact: &Contact<D>| wrenches[&seen.view.identity(contact)].1;
-        let kkt_report = self.certify(&seen, &ends, &whole, &found.projection.kkt_report);
+        let local = self.local_view(wrenches.values().map(|(contact, _)| *contact).collect(), &found.projection.velocities);
+        let ends = local.view.halo.spread_twists(self.peers, &found.projection.velocities, &spins);
+        let whole = |contact: &Contact<D>| wrenches[&local.view.identity(contact)].1;
+        let kkt_report = self.certify(&local, &ends, &whole, &found.projection.kkt_report);
         let forces = wrenches.into_values().map(|(contact, ContactWrench { force, .. })| {
             let normal = force.dot(&contact.normal);
             let tangential = if normal > 0.0 { force - contact.normal * normal } else { SVector::zeros() };
@@ -229,8 +233,14 @@ impl<'a, const D: usize> Rounds<'a, D> {
     }
 
     /// How good whole wrenches and the motions at the end are. Collective.
-    fn certify(&self, seen: &Seen<D>, ends: &[Twist<D>], whole: &dyn Fn(&Contact<D>) -> ContactWrench<D>, found: &KktReport) -> KktReport {
-        let Seen { view, masses, twists, contacts } = seen;
+    fn certify(
+        &self,
+        local: &LocalView<D>,
+        ends: &[Twist<D>],
+        whole: &dyn Fn(&Contact<D>) -> ContactWrench<D>,
+        found: &KktReport,
+    ) -> KktReport {
+        let LocalView { view, masses, twists, contacts } = local;
         let (peers, Problem { domain, step, .. }) = (self.peers, self.share.problem);
         let normals: Vec<ContactForce<D>> =
             contacts.iter().map(|contact| ContactForce::normal(*contact, whole(contact).force.dot(&contact.normal))).collect();
@@ -238,7 +248,7 @@ impl<'a, const D: usize> Rounds<'a, D> {
             let ContactWrench { force, couple } = whole(contact);
             ContactWrench { force: force - contact.normal * force.dot(&contact.normal), couple }
         };
-        let rubbed = self.changes_of(seen, &sides);
+        let rubbed = self.changes_of(local, &sides);
         let wanted: Vec<SVector<f64, D>> =
             self.share.problem.velocities.iter().zip(rubbed).map(|(wanted, change)| wanted + change.velocity).collect();
         let problem = Problem { velocities: &view.halo.spread_vectors(peers, &wanted), ..view.problem(&self.share.problem) };

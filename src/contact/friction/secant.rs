@@ -16,11 +16,11 @@ const MOST: usize = 12;
 pub struct MobilityMode<const D: usize> {
     /// The factor.
     pub gain: f64,
-    /// `r`, in the rows of each link.
+    /// `r`, in each row block.
     pub rates: Vec<[f64; D]>,
 }
 
-/// Forces with their velocities, of all links.
+/// Forces with their velocities, of all row blocks.
 pub type Solved<const D: usize> = (Vec<[f64; D]>, Vec<[f64; D]>);
 
 /// The modes that correct the mobility of a network, which is a function of forces, by what was solved before the last solve, newest last.

@@ -8,13 +8,15 @@ use nalgebra::SVector;
 use super::{
     FrictionLaw,
     cone::TOLERANCE,
-    exact::{Found, solve_exactly},
-    interior_point::follow,
-    link::{Link, NONE},
     medium::Medium,
     program::{FrictionIsland, FrictionProgram},
+    row_block::{NONE, RowBlock},
     secant::MobilityMode,
-    sweeps::Sweeps,
+    solver::{
+        exact::{Found, solve_exactly},
+        interior_point::follow,
+        sweeps::Sweeps,
+    },
 };
 use crate::{
     body::{Twist, skew},
@@ -64,8 +66,8 @@ impl<const D: usize> Pile<D> {
 
     /// Impulses in units of momentum.
     fn impulses<const W: usize>(program: &FrictionProgram<D, W>, found: &Found<D>) -> Vec<[f64; D]> {
-        let impulse = |(link, force): (&Link<D, W>, &[f64; D])| std::array::from_fn(|axis| force[axis] / link.norms[axis]);
-        program.links.iter().zip(&found.forces).map(impulse).collect()
+        let impulse = |(row_block, force): (&RowBlock<D, W>, &[f64; D])| std::array::from_fn(|axis| force[axis] / row_block.norms[axis]);
+        program.row_blocks.iter().zip(&found.forces).map(impulse).collect()
     }
 
     /// Kinetic energy after the impulses.
@@ -113,7 +115,7 @@ fn spheres() -> Pile<3> {
 /// Energy after the step, and the sum of normal impulses, by another program (the same law, its own sweeps and factors; to 1e-12).
 fn agrees<const D: usize, const W: usize>(pile: &Pile<D>, coefficient: f64, [energy, normal]: [f64; 2]) {
     let program = pile.program::<W>(coefficient);
-    let found = solve_exactly(&program, vec![[0.0; D]; program.links.len()]);
+    let found = solve_exactly(&program, vec![[0.0; D]; program.row_blocks.len()]);
     assert!(found.residual <= TOLERANCE && found.iterations < 10, "{found:?}");
     let sum: f64 = Pile::impulses(&program, &found).iter().map(|impulse| impulse[0]).sum();
     let after = pile.energy(&program, &found.forces);
@@ -133,9 +135,9 @@ fn disks_and_spheres_fall_on_a_floor_as_in_another_program() {
 #[test]
 fn the_interior_point_needs_no_guess_and_takes_a_good_one() {
     let program = disks().program::<3>(0.5);
-    let cold = follow(&program, &vec![[0.0; 2]; program.links.len()], (1.0, 1e-11));
+    let cold = follow(&program, &vec![[0.0; 2]; program.row_blocks.len()], (1.0, 1e-11));
     assert!(cold.residual <= TOLERANCE && cold.iterations <= 12, "{} {:e}", cold.iterations, cold.residual);
-    let mut sweeps = Sweeps::new(&program, vec![[0.0; 2]; program.links.len()]);
+    let mut sweeps = Sweeps::new(&program, vec![[0.0; 2]; program.row_blocks.len()]);
     sweeps.run(1e-3, 1000);
     let warm = follow(&program, &sweeps.forces, (1e-2, 1e-11));
     assert!(warm.residual <= TOLERANCE && warm.iterations < cold.iterations, "{} {:e}", warm.iterations, warm.residual);
@@ -150,25 +152,25 @@ fn the_interior_point_needs_no_guess_and_takes_a_good_one() {
 fn programs_of_convex_cones_end_at_the_same_motion() {
     let program = disks().program::<3>(0.1);
     let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
-    for (link, sign) in program.links.iter().flat_map(|link| [(link, 1.0), (link, -1.0)]) {
-        let mut sides: Vec<_> = link.sides().collect();
+    for (row_block, sign) in program.row_blocks.iter().flat_map(|row_block| [(row_block, 1.0), (row_block, -1.0)]) {
+        let mut sides: Vec<_> = row_block.sides().collect();
         sides.sort_unstable_by_key(|side| side.0);
         for (body, [normal, tangent]) in sides {
             rows.extend(3 * body..3 * body + 3);
-            values.extend(normal.iter().zip(tangent).map(|(normal, tangent)| normal + sign * link.friction * tangent));
+            values.extend(normal.iter().zip(tangent).map(|(normal, tangent)| normal + sign * row_block.friction * tangent));
         }
         starts.push(rows.len());
     }
-    let matrix = CscMatrix::new(3 * program.bodies, 2 * program.links.len(), starts, rows, values);
-    let mut forces = vec![[0.0; 2]; program.links.len()];
+    let matrix = CscMatrix::new(3 * program.bodies, 2 * program.row_blocks.len(), starts, rows, values);
+    let mut forces = vec![[0.0; 2]; program.row_blocks.len()];
     for _ in 0..30 {
         let velocities = program.velocities(&program.motion(&forces));
-        let opened = program.links.iter().zip(&velocities).flat_map(|(link, velocity)| {
-            [1.0, -1.0].map(|sign| link.offset[0] + link.friction * (velocity[1].abs() + sign * link.offset[1]))
+        let opened = program.row_blocks.iter().zip(&velocities).flat_map(|(row_block, velocity)| {
+            [1.0, -1.0].map(|sign| row_block.offset[0] + row_block.friction * (velocity[1].abs() + sign * row_block.offset[1]))
         });
         let found = solve_general(&matrix, &[], &opened.collect::<Vec<_>>()).unwrap().multipliers;
-        let both = found.as_chunks::<2>().0.iter().zip(&program.links);
-        forces = both.map(|([plus, minus], link)| [plus + minus, link.friction * (plus - minus)]).collect();
+        let both = found.as_chunks::<2>().0.iter().zip(&program.row_blocks);
+        forces = both.map(|([plus, minus], row_block)| [plus + minus, row_block.friction * (plus - minus)]).collect();
     }
     assert!(program.residual(&forces) < 1e-6, "{:e}", program.residual(&forces));
     let exact = program.motion(&solve_exactly(&program, vec![[0.0; 2]; forces.len()]).forces);
@@ -187,10 +189,10 @@ fn a_rod_of_painleve_has_an_impulse() {
         for (part, slip) in [0.9, 1.1, 2.0].into_iter().flat_map(|part| [(part, 1.0), (part, -1.0)]) {
             let rows = [[0.0, 1.0, arm[0] / inertia.sqrt()], [1.0, 0.0, -arm[1] / inertia.sqrt()]];
             let offset = [-0.01, slip];
-            let link = Link { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, norms: [1.0; 2] };
+            let row_block = RowBlock { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, norms: [1.0; 2] };
             let program = FrictionProgram {
                 bodies: 1,
-                links: vec![link],
+                row_blocks: vec![row_block],
                 bounds: Vec::new(),
                 unit: 1.0,
                 medium: Rc::new(Medium::none()),
@@ -206,7 +208,7 @@ fn a_rod_of_painleve_has_an_impulse() {
 #[test]
 fn the_interior_point_solves_with_modes_of_the_mobility() {
     fn solves<const D: usize, const W: usize>(mut program: FrictionProgram<D, W>) {
-        let count = program.links.len();
+        let count = program.row_blocks.len();
         let wave = |phase: f64| (0..count).map(|place| std::array::from_fn(|axis| (phase * (D * place + axis) as f64).sin())).collect();
         program.modes = [(0.3, 0.7), (0.1, 1.9)].map(|(gain, phase)| MobilityMode { gain, rates: wave(phase) }).to_vec();
         let end = follow(&program, &vec![[0.0; D]; count], (1.0, TOLERANCE));
@@ -224,7 +226,7 @@ fn contacts_that_open_bear_nothing() {
     pile.twists.iter_mut().for_each(|twist| (twist.velocity[1], twist.spin) = (10.0, skew(&[0.0])));
     pile.contacts.retain(|contact| contact.other().is_none());
     let program = pile.program::<3>(0.5);
-    let found = solve_exactly(&program, vec![[1.0, 0.5]; program.links.len()]);
+    let found = solve_exactly(&program, vec![[1.0, 0.5]; program.row_blocks.len()]);
     assert_eq!((found.residual, found.sweeps, program.residual(&found.forces)), (0.0, 0, 0.0));
     assert!(found.forces.iter().all(|force| *force == [0.0; 2]));
 }

@@ -9,8 +9,8 @@ use super::{
     bounds::Bound,
     frame::Frame,
     law::Turn,
-    link::Link,
     program::{FrictionIsland, FrictionProgram},
+    row_block::RowBlock,
 };
 use crate::{
     body::{Twist, components, skew},
@@ -68,7 +68,7 @@ impl<const D: usize> Mul<f64> for ContactWrench<D> {
 
 impl<const D: usize> Frame<D> {
     /// The directions of the rows of a contact or of what turns it; of couples those of axial vectors, in two dimensions the tangent for the one axis.
-    pub fn link_axes(&self, turn: Option<Turn>) -> [SVector<f64, D>; D] {
+    pub fn row_axes(&self, turn: Option<Turn>) -> [SVector<f64, D>; D] {
         match turn {
             Some(Turn::Twisting) => std::array::from_fn(|axis| if axis == 1 { self.axes[0] } else { SVector::zeros() }),
             _ => self.axes,
@@ -76,7 +76,7 @@ impl<const D: usize> Frame<D> {
     }
 
     /// The force along a direction, or the couple of a unit over the reduced radius about it.
-    pub fn link_wrench(&self, turn: Option<Turn>, direction: &SVector<f64, D>) -> ContactWrench<D> {
+    pub fn row_wrench(&self, turn: Option<Turn>, direction: &SVector<f64, D>) -> ContactWrench<D> {
         let spin = match turn {
             None => return ContactWrench::of_force(*direction),
             Some(_) if D == 2 => skew(&[self.axes[1].dot(direction)]),
@@ -86,7 +86,7 @@ impl<const D: usize> Frame<D> {
     }
 
     /// Components of a wrench along the rows of a contact, or of what turns it.
-    pub fn link_components(&self, turn: Option<Turn>, wrench: &ContactWrench<D>) -> [f64; D] {
+    pub fn row_components(&self, turn: Option<Turn>, wrench: &ContactWrench<D>) -> [f64; D] {
         let Some(turn) = turn else { return self.components(&wrench.force) };
         let mut parts = [0.0; D];
         let units = self.unit_spins(turn);
@@ -119,7 +119,7 @@ fn along<const D: usize>(unit: &SMatrix<f64, D, D>, other: &SMatrix<f64, D, D>) 
 }
 
 impl<const D: usize> FrictionIsland<'_, D> {
-    /// The turns that couples resist, each with the place of its contact, in the order of their links.
+    /// The turns that couples resist, each with the place of its contact, in the order of their row blocks.
     pub fn turns(&self) -> impl Iterator<Item = (usize, Turn)> {
         self.laws.iter().enumerate().flat_map(|(place, law)| {
             let turns = [(law.rolling > 0.0, Turn::Rolling), (D == 3 && law.twisting > 0.0, Turn::Twisting)];
@@ -127,62 +127,69 @@ impl<const D: usize> FrictionIsland<'_, D> {
         })
     }
 
-    /// The links of contacts and of what turns them, with what bounds their tangential impulses.
-    pub(super) fn with_turns<const W: usize>(&self, mut links: Vec<Link<D, W>>, free: &[usize]) -> (Vec<Link<D, W>>, Vec<Bound>) {
+    /// The row blocks of contacts and of what turns them, with what bounds their tangential impulses.
+    pub(super) fn with_turns<const W: usize>(
+        &self,
+        mut row_blocks: Vec<RowBlock<D, W>>,
+        free: &[usize],
+    ) -> (Vec<RowBlock<D, W>>, Vec<Bound>) {
         if self.laws.iter().all(FrictionLaw::is_plain) {
-            return (links, Vec::new());
+            return (row_blocks, Vec::new());
         }
-        let bound = |(leader, (link, law)): (usize, (&Link<D, W>, &FrictionLaw))| Bound {
+        let bound = |(leader, (row_block, law)): (usize, (&RowBlock<D, W>, &FrictionLaw))| Bound {
             leader,
-            load: law.critical_load * self.duration * link.norms[0],
+            load: law.critical_load * self.duration * row_block.norms[0],
         };
-        let mut bounds: Vec<Bound> = links.iter().zip(self.laws).enumerate().map(bound).collect();
+        let mut bounds: Vec<Bound> = row_blocks.iter().zip(self.laws).enumerate().map(bound).collect();
         for (leader, turn) in self.turns() {
-            links.push(self.turning_link(&links[leader], (leader, turn), free));
+            row_blocks.push(self.turning_rows(&row_blocks[leader], (leader, turn), free));
             bounds.push(bounds[leader]);
         }
-        (links, bounds)
+        (row_blocks, bounds)
     }
 
     /// The rows of a turn, after the normal one of its contact.
-    fn turning_link<const W: usize>(&self, leader: &Link<D, W>, (place, turn): (usize, Turn), free: &[usize]) -> Link<D, W> {
+    fn turning_rows<const W: usize>(&self, leader: &RowBlock<D, W>, (place, turn): (usize, Turn), free: &[usize]) -> RowBlock<D, W> {
         let (contact, law) = (&self.contacts[place], &self.laws[place]);
         let frame = Frame::new(contact, self.balls);
-        let mut link = leader.clone();
-        link.rows.iter_mut().for_each(|rows| rows[1..].fill([0.0; W]));
-        link.norms[1..].fill(1.0);
+        let mut row_block = leader.clone();
+        row_block.rows.iter_mut().for_each(|rows| rows[1..].fill([0.0; W]));
+        row_block.norms[1..].fill(1.0);
         let is_free = |body: &usize| free.binary_search(body).is_ok();
         let sides = [(Some(contact.body), -1.0), (contact.other(), 1.0)].into_iter();
         let sides: Vec<(usize, f64)> = sides.filter_map(|(body, sign)| Some((body.filter(is_free)?, sign))).collect();
         for (axis, unit) in frame.unit_spins(turn).iter().enumerate() {
-            for (rows, (body, sign)) in link.rows.iter_mut().zip(&sides) {
+            for (rows, (body, sign)) in row_block.rows.iter_mut().zip(&sides) {
                 let factor = sign * frame.reduced_radius / self.masses[*body][1].sqrt();
                 rows[axis + 1][D..].iter_mut().zip(components(unit)).for_each(|(entry, component)| *entry = factor * component);
             }
-            let norm = link.rows.iter().flat_map(|rows| rows[axis + 1]).map(|entry| entry * entry).sum::<f64>().sqrt();
-            link.rows.iter_mut().for_each(|rows| rows[axis + 1].iter_mut().for_each(|entry| *entry /= norm));
-            link.norms[axis + 1] = norm;
+            let norm = row_block.rows.iter().flat_map(|rows| rows[axis + 1]).map(|entry| entry * entry).sum::<f64>().sqrt();
+            row_block.rows.iter_mut().for_each(|rows| rows[axis + 1].iter_mut().for_each(|entry| *entry /= norm));
+            row_block.norms[axis + 1] = norm;
         }
         let rates = frame.turning_rates(contact, turn, self.twists);
-        (1..D).for_each(|axis| link.offset[axis] = rates[axis] / link.norms[axis]);
-        Link { friction: law.of_turn(turn) * link.norms[1] / link.norms[0], ..link }
+        (1..D).for_each(|axis| row_block.offset[axis] = rates[axis] / row_block.norms[axis]);
+        RowBlock { friction: law.of_turn(turn) * row_block.norms[1] / row_block.norms[0], ..row_block }
     }
 
     /// The impulses of wrenches in the rows of a program.
     pub fn impulses<const W: usize>(&self, program: &FrictionProgram<D, W>, wrenches: &[ContactWrench<D>]) -> Vec<[f64; D]> {
         let frame = |place: usize| Frame::new(&self.contacts[place], self.balls);
-        let scaled = |impulse: [f64; D], link: &Link<D, W>| std::array::from_fn(|axis| impulse[axis] * self.duration * link.norms[axis]);
-        let (contacts, turns) = program.links.split_at(self.contacts.len());
-        let of_force = |(place, link): (usize, &Link<D, W>)| scaled(frame(place).components(&wrenches[place].force), link);
-        let of_couple =
-            |((place, turn), link): ((usize, Turn), &Link<D, W>)| scaled(frame(place).link_components(Some(turn), &wrenches[place]), link);
+        let scaled = |impulse: [f64; D], row_block: &RowBlock<D, W>| {
+            std::array::from_fn(|axis| impulse[axis] * self.duration * row_block.norms[axis])
+        };
+        let (contacts, turns) = program.row_blocks.split_at(self.contacts.len());
+        let of_force = |(place, row_block): (usize, &RowBlock<D, W>)| scaled(frame(place).components(&wrenches[place].force), row_block);
+        let of_couple = |((place, turn), row_block): ((usize, Turn), &RowBlock<D, W>)| {
+            scaled(frame(place).row_components(Some(turn), &wrenches[place]), row_block)
+        };
         contacts.iter().enumerate().map(of_force).chain(self.turns().zip(turns).map(of_couple)).collect()
     }
 
     /// The wrenches of impulses in the rows of a program.
     pub fn wrenches<const W: usize>(&self, program: &FrictionProgram<D, W>, impulses: &[[f64; D]]) -> Vec<ContactWrench<D>> {
         let frames: Vec<Frame<D>> = self.contacts.iter().map(|contact| Frame::new(contact, self.balls)).collect();
-        let part = |place: usize, axis: usize| impulses[place][axis] / (program.links[place].norms[axis] * self.duration);
+        let part = |place: usize, axis: usize| impulses[place][axis] / (program.row_blocks[place].norms[axis] * self.duration);
         let force = |(place, frame): (usize, &Frame<D>)| (0..D).map(|axis| frame.axes[axis] * part(place, axis)).sum();
         let mut wrenches: Vec<ContactWrench<D>> = frames.iter().enumerate().map(force).map(ContactWrench::of_force).collect();
         for (number, (place, turn)) in self.turns().enumerate() {

@@ -30,7 +30,7 @@ impl BlockLu {
         let mut left: Vec<Vec<f64>> = vec![Vec::new(); self.fronts.len()];
         for number in 0..self.fronts.len() {
             let front = &self.fronts[number];
-            let mut matrix = Matrix::unit(front, self.width);
+            let mut matrix = FrontMatrix::unit(front, self.width);
             front.elements.iter().for_each(|element| matrix.add_blocks(element.places(), &blocks(element.constraint)));
             for &child in &front.children {
                 matrix.add_update(&self.fronts[child].relative, &std::mem::take(&mut left[child]));
@@ -87,19 +87,19 @@ fn subtract(target: &mut [f64], entries: &[f64], factor: f64) {
 }
 
 /// The dense matrix of a front, column by column.
-struct Matrix {
+struct FrontMatrix {
     width: usize,
     height: usize,
     entries: Vec<f64>,
 }
 
-impl Matrix {
+impl FrontMatrix {
     /// Ones on the diagonal of what is eliminated.
-    fn unit(front: &Front, width: usize) -> Matrix {
+    fn unit(front: &Front, width: usize) -> FrontMatrix {
         let height = front.width + front.below;
         let mut entries = vec![0.0; height * height];
         entries.iter_mut().step_by(height + 1).take(front.width).for_each(|diagonal| *diagonal = 1.0);
-        Matrix { width, height, entries }
+        FrontMatrix { width, height, entries }
     }
 
     fn add_blocks(&mut self, places: &[usize], blocks: &[f64]) {

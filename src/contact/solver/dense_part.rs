@@ -11,7 +11,7 @@ const GUESSES: usize = 12;
 /// The least pivot, as a part of a diagonal entry: equations that repeat each other are left to another method.
 const SMALLEST_PIVOT: f64 = 1e-9;
 
-type Matrix = [[f64; MOST]; MOST];
+type DenseProducts = [[f64; MOST]; MOST];
 
 /// The multipliers of a program of a few constraints, if it is one and equations of an active set give them.
 pub fn solve_dense(program: &Program, guess: &[f64]) -> Option<Vec<f64>> {
@@ -33,7 +33,7 @@ pub fn solve_dense(program: &Program, guess: &[f64]) -> Option<Vec<f64>> {
 }
 
 /// `A A^T`.
-fn products(program: &Program) -> Matrix {
+fn products(program: &Program) -> DenseProducts {
     let count = program.offsets.len();
     let of = |row: usize, other: usize| -> f64 {
         program.row(row).map(|(place, value)| value * program.row(other).find(|entry| entry.0 == place).map_or(0.0, |entry| entry.1)).sum()
@@ -42,7 +42,7 @@ fn products(program: &Program) -> Matrix {
 }
 
 /// The multipliers, zero of those that are not active, with which active constraints have no slack; `None` if they repeat each other.
-fn equal(matrix: &Matrix, offsets: &[f64], active: &[bool]) -> Option<Vec<f64>> {
+fn equal(matrix: &DenseProducts, offsets: &[f64], active: &[bool]) -> Option<Vec<f64>> {
     let rows: Vec<usize> = (0..offsets.len()).filter(|&row| active[row]).collect();
     let (mut factor, mut known) = ([[0.0; MOST]; MOST], [0.0; MOST]);
     for (place, &row) in rows.iter().enumerate() {

@@ -68,7 +68,7 @@ fn disks_whose_images_slide_never_overlap() {
         let projection = scene.solve().unwrap();
         assert!(scene.overlap(&projection) < 1e-10, "overlap {:e} with seed {seed}", scene.overlap(&projection));
         assert!(projection.kkt_report.kkt_residual < 1e-10, "{:?}", projection.kkt_report);
-        assert!(projection.forces.iter().any(|pressed| pressed.force > 0.0 && pressed.contact.image[1] != 0));
+        assert!(projection.forces.iter().any(|active| active.force > 0.0 && active.contact.image[1] != 0));
     }
 }
 

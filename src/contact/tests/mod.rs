@@ -10,7 +10,7 @@ mod solvers;
 
 use nalgebra::{SVector, Vector2};
 
-use super::{Memory, Problem, ProblemShare, Projection, Spanning, island::solve_island, project::project_by, share::Solve};
+use super::{Memory, Problem, ProblemShare, Projection, Spanning, island::solve_island, project::project_by, share::IslandSolver};
 use crate::{
     body::Regions,
     error::Result,
@@ -87,7 +87,7 @@ impl<const D: usize> Scene<D> {
 }
 
 /// The projection without other ranks.
-fn alone<const D: usize>(problem: &Problem<D>, memory: &Memory<D>, solve: Solve<D>) -> Result<Projection<D>> {
+fn alone<const D: usize>(problem: &Problem<D>, memory: &Memory<D>, solve: IslandSolver<D>) -> Result<Projection<D>> {
     let regions = Regions::new(problem.domain, 1);
     Ok(project_by(Peers::Alone, &ProblemShare { problem: *problem, regions: &regions, spanning: Spanning::Gathered }, memory, solve)?
         .projection)

@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::{interpolation::velocity, plane::rigid};
 use crate::{
     error::Result,
-    fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, Projection, Rigid},
+    fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, PlaneTwist, Projection},
     mechanics::{
         MeshLevel, Setup, SuspendedBody,
         unsteady::{StepWeights, inertia},
@@ -72,7 +72,11 @@ impl MeshHistory {
             let (ball, density) = (&suspended.body.ball, masses.bodies[disk] / setup.viscosity);
             let velocity = sum(&past, &|level| level.motions[disk].velocity);
             let spin = self.past.iter().zip(past).map(|(level, weight)| level.motions[disk].spin * weight).sum();
-            DiskInertia { mass: density * ball.volume(), moment: density * ball.moment_of_inertia(), history: Rigid { velocity, spin } }
+            DiskInertia {
+                mass: density * ball.volume(),
+                moment: density * ball.moment_of_inertia(),
+                history: PlaneTwist { velocity, spin },
+            }
         };
         Some(MeshInertia {
             density: masses.fluid / setup.viscosity,

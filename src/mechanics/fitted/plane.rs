@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use crate::{
     body::{Motion, Twist, components, skew},
     error::Result,
-    fitted::{DiskMotion, EdgeLengths, Load, Mesh, MeshInertia, Rigid, StokesNumbering, StokesProblem, generate},
+    fitted::{DiskMotion, EdgeLengths, Load, Mesh, MeshInertia, PlaneTwist, StokesNumbering, StokesProblem, generate},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
     mechanics::{BodyState, Setup},
@@ -97,12 +97,12 @@ fn disk_motion<const D: usize>(motion: &Motion<D>, viscosity: f64) -> DiskMotion
 }
 
 /// A motion in two dimensions.
-pub fn rigid<const D: usize>(twist: &Twist<D>) -> Rigid {
-    Rigid { velocity: flat(&twist.velocity), spin: components(&twist.spin)[0] }
+pub fn rigid<const D: usize>(twist: &Twist<D>) -> PlaneTwist {
+    PlaneTwist { velocity: flat(&twist.velocity), spin: components(&twist.spin)[0] }
 }
 
 /// What is found for a body.
-pub fn state<const D: usize>(disk: &Ball<2>, rigid: &Rigid, load: &Load, viscosity: f64) -> BodyState<D> {
+pub fn state<const D: usize>(disk: &Ball<2>, rigid: &PlaneTwist, load: &Load, viscosity: f64) -> BodyState<D> {
     BodyState {
         center: spatial(&disk.center),
         twist: Twist { velocity: spatial(&rigid.velocity), spin: skew(&[rigid.spin]) },

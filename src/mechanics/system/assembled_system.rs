@@ -92,7 +92,7 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
             operators: &self.operators,
             mean_flow: &fixed.mean_flow,
             pair_constraints: &mut self.pair_constraints,
-            links_spin_up: fixed.setup.inertia.is_some() && fixed.setup.interactions.turn(),
+            pairs_exert_torques: fixed.setup.inertia.is_some() && fixed.setup.interactions.turn(),
             prescribed_drag: self.prescribed_drag,
         };
         let KrylovWorkspace { krylov, work, rhs, x } = &mut self.workspace;

@@ -46,7 +46,7 @@ pub struct BodyType<const D: usize> {
 }
 
 /// What a force or a torque on a body stands for.
-pub struct Rigid {
+pub struct RigidScales {
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
     pub mobilities: RigidVector,
     /// Force of a unit translation multiplier.
@@ -184,10 +184,10 @@ impl<const D: usize> BodyTypes<D> {
     }
 
     /// How a body answers to forces and torques.
-    pub fn rigid(&self, body: usize) -> Rigid {
+    pub fn rigid(&self, body: usize) -> RigidScales {
         let kind = self.of(body);
         let force = kind.surface.modes.force_factor();
-        Rigid { mobilities: kind.mobilities, force, lever: kind.surface.modes.torque_factor() / force }
+        RigidScales { mobilities: kind.mobilities, force, lever: kind.surface.modes.torque_factor() / force }
     }
 
     /// Velocity of a body in unbounded fluid of unit viscosity that a unit translation multiplier causes, and the force of that multiplier.

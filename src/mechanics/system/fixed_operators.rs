@@ -197,7 +197,7 @@ impl<const D: usize> FixedOperators<D> {
         }
     }
 
-    /// The right-hand side of the linear system: rows of this rank's bodies, of the mean-flow constraint on rank 0, and of this rank's links.
+    /// The right-hand side of the linear system: rows of this rank's bodies, of the mean-flow constraint on rank 0, and of this rank's constraints.
     pub fn fill_right_hand_side(
         &self,
         wanted: &[f64],

@@ -1,12 +1,12 @@
-//! The resistance of bodies to motion, by their neighbours and through the links between them: sparse, and symmetric unless contacts slip.
+//! The resistance of bodies to motion, by their neighbours and through the constraints between them: sparse, and symmetric unless contacts slip.
 //!
 //! ```text
-//! [ A + N' C^-1 N   P ] [ U ]   [ forces ]      N: rates of links for motions U, N' what they push     C: compliances     A: what bodies or near pairs resist
+//! [ A + N' C^-1 N   P ] [ U ]   [ forces ]      N: rates of constraints for motions U, N' what they push     C: compliances     A: what bodies or near pairs resist
 //! [ P'             -L ] [ p ] = [ flows  ]      p: pressures of pores, if they count (see [`Pores`])
 //! ```
 //!
-//! It has the rigid modes of each body as unknowns, owned with the body, whatever the number of links. By the identity of Woodbury it
-//! gives what `N A^-1 N' + C`, a matrix of the links, would.
+//! It has the rigid modes of each body as unknowns, owned with the body, whatever the number of constraints. By the identity of Woodbury it
+//! gives what `N A^-1 N' + C`, a matrix of the constraints, would.
 
 use std::collections::BTreeMap;
 
@@ -39,8 +39,8 @@ impl Resistances {
         }
     }
 
-    /// Adds what links resist with the given compliances.
-    pub fn add_links<'a>(
+    /// Adds what constraints resist with the given compliances.
+    pub fn add_constraints<'a>(
         &mut self,
         layout: &MultiplierLayout,
         constraints: impl Iterator<Item = &'a PairConstraint>,
@@ -94,7 +94,7 @@ struct Share {
     pore: u32,
     /// Where its multipliers begin.
     first: usize,
-    /// Net force of a unit multiplier, over that of a unit of a link's unknown.
+    /// Net force of a unit multiplier, over that of a unit of a constraint's unknown.
     unit: f64,
     multipliers: Vec<f64>,
 }
@@ -115,7 +115,7 @@ pub struct Network {
 
 /// What a network is made of.
 pub struct NetworkParts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
-    /// What bodies and links resist.
+    /// What bodies and constraints resist.
     pub resistances: &'a Resistances,
     /// Pores, if they count.
     pub pores: Option<&'a Pores>,
@@ -123,11 +123,11 @@ pub struct NetworkParts<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
     pub rigid: usize,
     /// Whether it may be solved loosely.
     pub flexible: bool,
-    /// Whether all links push as they move, on all ranks.
+    /// Whether all constraints push as they move, on all ranks.
     pub symmetric: bool,
     /// Whether the motion of a body is given.
     pub stays: S,
-    /// Net force of a unit translation multiplier of a body, over that of a unit of a link's unknown.
+    /// Net force of a unit translation multiplier of a body, over that of a unit of a constraint's unknown.
     pub unit: U,
 }
 
@@ -225,6 +225,15 @@ impl Network {
     }
 }
 
+/// For each of so many pores the entries of its row of conductances, by pore.
+fn conductances(pores: &Option<&Pores>, count: usize) -> Vec<Vec<(usize, f64)>> {
+    let mut of_pore = vec![Vec::new(); count];
+    for ([pore, other], entry) in pores.iter().flat_map(|pores| pores.conductances()) {
+        of_pore[pore].push((other, entry));
+    }
+    of_pore
+}
+
 /// This rank's rows of the network.
 fn rows(
     layout: &MultiplierLayout,
@@ -255,10 +264,7 @@ fn rows(
             rows.end_row();
         }
     }
-    let mut conductances = vec![Vec::new(); numbering.of_pore.len()];
-    for ([pore, other], entry) in pores.iter().flat_map(|pores| pores.conductances()) {
-        conductances[pore].push((other, entry));
-    }
+    let conductances = conductances(pores, numbering.of_pore.len());
     for &pore in &numbering.pores {
         for (body, forces) in &of_pore[pore] {
             forces.iter().enumerate().for_each(|(mode, force)| rows.push(numbering.of_body[*body] + mode, *force));

@@ -6,10 +6,10 @@ use nalgebra::SVector;
 /// magnifies rounding.
 const SHIFT: f64 = 1e-4;
 
-/// What a link counts of the coefficients of a body's rigid modes, translations first.
+/// What a constraint counts of the coefficients of a body's rigid modes, translations first.
 pub type RigidVector = SVector<f64, 6>;
 
-/// One free body of a link.
+/// One free body of a constraint.
 #[derive(Debug, Clone, Copy)]
 pub struct ConstraintSide {
     /// The body.
@@ -51,7 +51,7 @@ pub struct PairConstraint {
 }
 
 impl PairConstraint {
-    /// A link that no body is an end of yet.
+    /// A constraint that no body is an end of yet.
     pub fn new(rate: f64, compliance: f64, owned: bool) -> PairConstraint {
         PairConstraint { ends: [None; 2], others: Vec::new(), rate, compliance, weight: 1.0, owned, regular: false }
     }

@@ -7,7 +7,7 @@
 //! contact  sum over its ends of  n . v = rate        film  sum over its ends of  (d . v + t : w)  +  g / resistance = - rate that is known
 //! ```
 //!
-//! so that a film of whatever resistance leaves the system well conditioned: what resists most is a constraint. Each link belongs to the
+//! so that a film of whatever resistance leaves the system well conditioned: what resists most is a row without compliance. Each constraint belongs to the
 //! rank that holds its first body. With what bodies alone, or near pairs, resist these rows have a sparse approximation, the [`Network`],
 //! factored once a solve.
 
@@ -21,17 +21,17 @@ use crate::{
     petsc::{Scatter, Session, Vector},
 };
 
-/// Bodies of other ranks at the ends of this rank's links, and what the links do through the network.
+/// Bodies of other ranks at the ends of this rank's constraints, and what the constraints do through the network.
 struct Acting {
     network: Network,
     others: Scatter,
-    /// For each side of this rank's links, one after the other, the place where its motion begins.
+    /// For each side of this rank's constraints, one after the other, the place where its motion begins.
     places: Vec<u32>,
     /// Velocities or forces in the places of multipliers.
     motions: Vector,
 }
 
-/// What bodies resist besides links.
+/// What bodies resist besides constraints.
 pub struct Medium {
     /// Of bodies each as if it were alone, or by near pairs.
     pub resistances: Resistances,
@@ -41,7 +41,7 @@ pub struct Medium {
     pub by_pairs: bool,
 }
 
-/// The links of a solve that belong to this rank: contacts and ways of films.
+/// The constraints of a solve that belong to this rank: contacts and relative modes of films.
 pub struct PairConstraints {
     /// Force, per unit viscosity, that a unit of an unknown stands for.
     pub scale: f64,
@@ -52,8 +52,8 @@ pub struct PairConstraints {
 }
 
 impl PairConstraints {
-    /// The links that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
-    /// many rigid modes, and those that stay have their motion given. Without a medium there is no link on any rank. Collective.
+    /// The constraints that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
+    /// many rigid modes, and those that stay have their motion given. Without a medium there is no constraint on any rank. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
@@ -70,13 +70,13 @@ impl PairConstraints {
         let act = |Medium { resistances, pores, by_pairs }: &Medium| {
             let symmetric = session.world().max(f64::from(!symmetric)) == 0.0;
             let mut resistances = resistances.clone();
-            resistances.add_links(layout, constraints.iter(), PairConstraint::stiff_compliance);
+            resistances.add_constraints(layout, constraints.iter(), PairConstraint::stiff_compliance);
             let parts =
                 NetworkParts { resistances: &resistances, pores: pores.as_ref(), rigid, flexible: *by_pairs, symmetric, stays, unit };
             Acting::new(session, layout, Network::new(session, layout, parts)?, &owned, rigid)
         };
         let acting = medium.map(act).transpose()?;
-        // a few links more or less do not change the size of the system
+        // a few constraints more or less do not change the size of the system
         let places = if owned.len() <= places { places } else { capacity(owned.len()) };
         Ok(PairConstraints { scale, constraints: owned, rigid, places, acting })
     }
@@ -90,7 +90,7 @@ impl PairConstraints {
         Ok(())
     }
 
-    /// Number of this rank's links.
+    /// Number of this rank's constraints.
     pub fn count(&self) -> usize {
         self.constraints.len()
     }
@@ -100,17 +100,17 @@ impl PairConstraints {
         self.places
     }
 
-    /// Whether any rank has links, or near pairs answer to motions.
+    /// Whether any rank has constraints, or near pairs answer to motions.
     pub fn any(&self) -> bool {
         self.acting.is_some()
     }
 
-    /// Rates wanted, as rows of the links have them.
+    /// Rates wanted, as rows of the constraints have them.
     pub fn wanted(&self) -> impl Iterator<Item = f64> {
         self.constraints.iter().map(|constraint| constraint.weight * constraint.rate)
     }
 
-    /// What the rows of the links give for velocities in the order of the multipliers. Collective.
+    /// What the rows of the constraints give for velocities in the order of the multipliers. Collective.
     pub fn rows(&mut self, velocities: &Vector, unknowns: &[f64]) -> Result<Vec<f64>> {
         let Some(acting) = &mut self.acting else { return Ok(Vec::new()) };
         acting.motions.copy_from(velocities)?;
@@ -120,14 +120,14 @@ impl PairConstraints {
         Ok(rates)
     }
 
-    /// Adds to the multipliers of rigid modes what the links press, times `factor`. Collective.
+    /// Adds to the multipliers of rigid modes what the constraints press, times `factor`. Collective.
     pub fn press(&mut self, factor: f64, unknowns: &[f64], multipliers: &mut Vector) -> Result<()> {
         let Some(acting) = &mut self.acting else { return Ok(()) };
         acting.push(&self.constraints, self.rigid, unknowns, |end| factor * end.multiplier)?;
         multipliers.add(1.0, &acting.motions)
     }
 
-    /// The unknowns for which rows of links are as wanted where `forces`, in the places of multipliers and per unit of an unknown, act too;
+    /// The unknowns for which rows of constraints are as wanted where `forces`, in the places of multipliers and per unit of an unknown, act too;
     /// they are replaced by the motions of the bodies. With pores, all modes are to move as wanted besides, and the multipliers that pores stand
     /// for are added to those found. Collective.
     pub fn resist(&mut self, forces: &mut Vector, mut rates: Vec<f64>, modes: Option<(&Vector, &mut Vector)>) -> Result<Vec<f64>> {
@@ -154,7 +154,7 @@ impl Acting {
         Ok(Acting { network, others: wanted.scatter(&motions)?, places, motions })
     }
 
-    /// Rates of the links for velocities in `motions`.
+    /// Rates of the constraints for velocities in `motions`.
     fn rates(&mut self, constraints: &[PairConstraint], rigid: usize) -> Result<Vec<f64>> {
         let (others, own) = (self.others.fetch(&self.motions)?, self.motions.local()?);
         let motions = Entries { own: &own, others };

@@ -34,7 +34,7 @@ const SPRING_AMONG_FEW: f64 = 0.1;
 const ROTATION: f64 = 0.02;
 const ROTATION_AMONG_FEW: f64 = 0.3;
 
-/// The links of a configuration, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
+/// The constraints of a configuration, for a flow without bodies that has this rank's `undisturbed` velocities on surfaces, in a system with at least
 /// so many `places`. Collective.
 ///
 /// # Errors
@@ -77,7 +77,7 @@ pub fn pair_constraints<const D: usize>(
     Ok(pair_constraints)
 }
 
-/// What bodies with these centres resist besides links, where near pairs answer to motions.
+/// What bodies with these centres resist besides constraints, where near pairs answer to motions.
 pub fn medium<const D: usize>(
     fixed: &FixedOperators<D>,
     bodies: &Bodies<D>,
@@ -102,7 +102,7 @@ fn scale<const D: usize>(fixed: &FixedOperators<D>) -> f64 {
     fixed.setup.bodies.first().map_or(1.0, |suspended| fixed.body_types.translation(0).1 / suspended.body.ball.radius)
 }
 
-/// What is linked so far.
+/// The constraints so far.
 struct Builder<'a, const D: usize> {
     fixed: &'a FixedOperators<D>,
     centers: &'a [SVector<f64, D>],
@@ -156,7 +156,7 @@ impl<'a, const D: usize> Builder<'a, D> {
         for film in &bodies.resolved_at_walls().films {
             film.relative_modes.iter().for_each(|mode| self.add_relative_mode(film, mode, true));
         }
-        resistances.add_links(layout, self.constraints.iter(), |constraint| constraint.compliance);
+        resistances.add_constraints(layout, self.constraints.iter(), |constraint| constraint.compliance);
         let few = bodies.few_neighbours(&fixed.session);
         // beside an approximate inverse, which misses as much of the pressure, they cost iterations (docs/notes/crowds.md)
         let pores = if fixed.condensed { bodies.pores() } else { None };
@@ -188,14 +188,14 @@ impl<'a, const D: usize> Builder<'a, D> {
         self.fixed.setup.domain.image_velocity(&self.centers[body])
     }
 
-    /// Takes a rate that is known from the one wanted of the last link.
+    /// Takes a rate that is known from the one wanted of the last constraint.
     fn known(&mut self, rate: f64) {
         if let Some(constraint) = self.constraints.last_mut() {
             constraint.rate -= rate;
         }
     }
 
-    /// Makes a body an end of the last link, of which a unit force pushes it so.
+    /// Makes a body an end of the last constraint, of which a unit force pushes it so.
     fn add_end(&mut self, body: usize, side: &RigidFunctional<D>, push: &RigidFunctional<D>) {
         if let Some(twist) = self.fixed.setup.bodies[body].body.given_motion() {
             return self.known(side.rate(&twist));

@@ -102,8 +102,8 @@ pub struct SurfaceOperators<'a, const D: usize> {
     pub mean_flow: &'a MeanFlowConstraint,
     /// Contacts and films.
     pub pair_constraints: &'a mut PairConstraints,
-    /// Whether links exert torques on bodies that have inertia.
-    pub links_spin_up: bool,
+    /// Whether constraints exert torques on bodies that have inertia.
+    pub pairs_exert_torques: bool,
     /// Sum over all prescribed bodies of the translation block of their inverses, the mean-flow constraint's own row scale.
     pub prescribed_drag: f64,
 }
@@ -125,18 +125,18 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         Ok(tail_rows)
     }
 
-    /// `fluid += factor *` what multipliers and links do to the rows of the fluid.
+    /// `fluid += factor *` what multipliers and constraints do to the rows of the fluid.
     pub fn spread(&mut self, factor: f64, given: &Vector, global_unknowns: &[f64], fluid: &mut Vector) -> Result<()> {
         self.blocks.spread(factor, &given.local()?, fluid)?;
-        match self.spin_ups_of_links(given, global_unknowns)? {
+        match self.spin_ups_of_pairs(given, global_unknowns)? {
             Some(spin_ups) => self.blocks.spread_spin_up(factor, &spin_ups.local()?, fluid),
             None => Ok(()),
         }
     }
 
-    /// With inertia, how torques of links spin bodies up, in the places of multipliers of rotations: multipliers alone are taken for all torque.
-    fn spin_ups_of_links(&mut self, shape: &Vector, global_unknowns: &[f64]) -> Result<Option<Vector>> {
-        if !self.links_spin_up {
+    /// With inertia, how torques of constraints spin bodies up, in the places of multipliers of rotations: multipliers alone are taken for all torque.
+    fn spin_ups_of_pairs(&mut self, shape: &Vector, global_unknowns: &[f64]) -> Result<Option<Vector>> {
+        if !self.pairs_exert_torques {
             return Ok(None);
         }
         let mut spin_ups = shape.like()?;
@@ -149,7 +149,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
     pub fn velocity(&mut self, fluid: &Vector, given: &Vector, global_unknowns: &[f64], velocity: &mut Vector) -> Result<()> {
         self.blocks.velocity(fluid, given, &mut velocity.local_mut()?)?;
         self.add_damping(given, velocity)?;
-        if let Some(spin_ups) = self.spin_ups_of_links(given, global_unknowns)? {
+        if let Some(spin_ups) = self.spin_ups_of_pairs(given, global_unknowns)? {
             self.blocks.add_spin_up(&spin_ups, &mut velocity.local_mut()?)?;
         }
         if let MeanFlowConstraint::MeanVelocity = self.mean_flow {

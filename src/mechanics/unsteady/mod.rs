@@ -241,14 +241,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let bodies = &self.fixed.setup.bodies;
         let twists = self.starting_motions();
         let multipliers: Vec<_> = self.multiplier_counts().into_iter().map(|count| vec![0.0; count]).collect();
-        let state = |(center, twist): (&SVector<f64, D>, &Twist<D>)| BodyState {
-            center: self.fixed.setup.domain.wrap(*center),
-            twist: *twist,
-            force: SVector::zeros(),
-            torque: SMatrix::zeros(),
-            stresslet: SMatrix::zeros(),
-        };
-        let states = configuration.centers.iter().zip(&twists).map(state).collect();
+        let states = self.without_forces(configuration.centers, &twists);
         let spin_ups = vec![vec![0.0; planes::<D>().len()]; bodies.len()];
         self.current = Some(Level {
             time: configuration.time,
@@ -276,6 +269,18 @@ impl<const D: usize> UnsteadySuspension<D> {
             lubrication: self.films_at_rest(configuration.centers)?,
             cost: Cost::default(),
         })
+    }
+
+    /// Bodies that the flow does not act on yet.
+    fn without_forces(&self, centers: &[SVector<f64, D>], twists: &[Twist<D>]) -> Vec<BodyState<D>> {
+        let state = |(center, twist): (&SVector<f64, D>, &Twist<D>)| BodyState {
+            center: self.fixed.setup.domain.wrap(*center),
+            twist: *twist,
+            force: SVector::zeros(),
+            torque: SMatrix::zeros(),
+            stresslet: SMatrix::zeros(),
+        };
+        centers.iter().zip(twists).map(state).collect()
     }
 
     /// Films, if lubrication acts, before anything moves.

@@ -54,7 +54,7 @@ pub fn kept<const D: usize>(grid: &Grid<D>, step: f64, inverse_diffusivity: f64,
 }
 
 impl<const D: usize> Past<'_, D> {
-    /// The momentum rows, not balanced, for bodies that have come to new centres; inside those of `kinds` with jump functions they are those of
+    /// The momentum rows, not balanced, for bodies that have come to new centres; inside those of `body_types` with jump functions they are those of
     /// rigid motions, and beside `surfaces`, where these are known, viscous fluxes are of fourth order. Collective.
     pub fn rows(
         &self,
@@ -111,16 +111,16 @@ impl<const D: usize> Past<'_, D> {
         }
         let (mut place, mut wanted) = (0, Vec::new());
         for component in 0..D {
-            let (block, ways) = (grid.block(component), grid.frame_ways(component, self.since(level)));
+            let (block, shifts) = (grid.block(component), grid.frame_shifts(component, self.since(level)));
             for start in block.flattened(D - 1).indices() {
                 let (mut index, end) = (start, block.end[D - 1]);
                 while index[D - 1] < end {
                     let mut followed = signed(index);
-                    followed[0] -= ways[index[1]];
+                    followed[0] -= shifts[index[1]];
                     let (first, follow) = unknown(grid, component, followed);
                     // in two dimensions ways differ along the row
-                    let alike = |rows: &[isize]| rows.iter().take_while(|way| **way == rows[0]).count();
-                    let length = follow.min(end - index[D - 1]).min(if D == 2 { alike(&ways[index[1]..]) } else { usize::MAX });
+                    let alike = |rows: &[isize]| rows.iter().take_while(|shift| **shift == rows[0]).count();
+                    let length = follow.min(end - index[D - 1]).min(if D == 2 { alike(&shifts[index[1]..]) } else { usize::MAX });
                     wanted.push(WantedRun { place, first, length });
                     (place, index[D - 1]) = (place + length, index[D - 1] + length);
                 }
@@ -131,10 +131,10 @@ impl<const D: usize> Past<'_, D> {
 
     /// The same for points inside bodies of this rank.
     fn followed_points(&self, grid: &Grid<D>, level: usize, points: &[Inside<D>]) -> Vec<usize> {
-        let ways: Vec<Vec<isize>> = (0..D).map(|component| grid.frame_ways(component, self.since(level))).collect();
+        let shifts: Vec<Vec<isize>> = (0..D).map(|component| grid.frame_shifts(component, self.since(level))).collect();
         let followed = |inside: &Inside<D>| {
             let Point { component, mut index, .. } = inside.point;
-            index[0] -= ways[component][index[1].rem_euclid(grid.cells()[1] as isize) as usize];
+            index[0] -= shifts[component][index[1].rem_euclid(grid.cells()[1] as isize) as usize];
             unknown(grid, component, index).0
         };
         points.iter().map(followed).collect()

@@ -49,9 +49,9 @@ impl<const D: usize> Granular<D> {
 impl<const D: usize> AllBodies<D> {
     /// The forces of the last step where bodies are now.
     pub fn last_wrenches(&self, domain: &Domain<D>, last: &[ContactHistory<D>]) -> BTreeMap<Identity<D>, ContactWrench<D>> {
-        let again = |held: &ContactHistory<D>| {
-            let contact = Contact::again(domain, &self.balls, held.identity());
-            (held.identity(), ContactWrench::of_force(contact.normal * held.force + held.tangential))
+        let again = |history: &ContactHistory<D>| {
+            let contact = Contact::again(domain, &self.balls, history.identity());
+            (history.identity(), ContactWrench::of_force(contact.normal * history.force + history.tangential))
         };
         last.iter().map(again).collect()
     }

@@ -77,6 +77,16 @@ impl Kept {
     }
 }
 
+/// Whether one of these numbers, ascending, is of a bead of a chain.
+fn holds_part_of(numbers: &[usize], chain: &Range<usize>) -> bool {
+    numbers.get(numbers.partition_point(|&number| number < chain.start)).is_some_and(|&next| next < chain.end)
+}
+
+/// The rule of springs over a step of bodies with these velocities, and masses over the time for which they are pushed.
+fn step_ahead<'a, const D: usize>(length: f64, velocities: &'a [SVector<f64, D>], resistances: &'a [f64]) -> StepAhead<'a, D> {
+    StepAhead { length, last: 0.0, velocities, resistances, room: 0.0, least: LEAST_IMPLICIT }
+}
+
 impl<const D: usize> GranularChains<D> {
     /// Those of these chains, bodies having these masses. Collective.
     pub fn new(
@@ -87,11 +97,8 @@ impl<const D: usize> GranularChains<D> {
         step: GranularStep,
     ) -> Self {
         let numbers = state.numbers();
-        let owns = |chain: &&Range<usize>| {
-            numbers.get(numbers.partition_point(|&number| number < chain.start)).is_some_and(|&next| next < chain.end)
-        };
-        let seen: Vec<&Range<usize>> = chains.iter().filter(owns).collect();
-        let halo = Halo::of_numbers(peers, &numbers, seen.iter().flat_map(|chain| (*chain).clone()));
+        let owned: Vec<&Range<usize>> = chains.iter().filter(|chain| holds_part_of(&numbers, chain)).collect();
+        let halo = Halo::of_numbers(peers, &numbers, owned.iter().flat_map(|chain| (*chain).clone()));
         let place = |body: usize| halo.place(body).unwrap_or_default();
         let spread = |of: fn(&super::Moving<D>) -> SVector<f64, D>| {
             halo.spread_vectors(peers, &state.bodies.iter().map(of).collect::<Vec<SVector<f64, D>>>())
@@ -104,14 +111,7 @@ impl<const D: usize> GranularChains<D> {
             springs.iter_mut().flat_map(|spring| &mut spring.ends).for_each(|(body, _)| *body = place(*body));
             springs
         };
-        let rule = StepAhead {
-            length: step.length,
-            last: 0.0,
-            velocities: &velocities,
-            resistances: &resistances,
-            room: 0.0,
-            least: LEAST_IMPLICIT,
-        };
+        let rule = step_ahead(step.length, &velocities, &resistances);
         let conserved = interactions.conserved();
         let placed = |kept: &Conserved| {
             let first = place(kept.bodies.start);
@@ -124,7 +124,7 @@ impl<const D: usize> GranularChains<D> {
             let rows = rule.rows(&now, &springs(chain, step.length)).into_iter().zip(rods).collect();
             GranularChain::new(first..first + chain.len(), rows, of_chain(chain), &resistances)
         };
-        let chains = seen.iter().map(solved).collect();
+        let chains = owned.iter().map(solved).collect();
         GranularChains { chains, halo, centers, step, resistances }
     }
 

@@ -65,8 +65,8 @@ impl<const D: usize> GranularClusters<D> {
             let next = numbers.get(numbers.partition_point(|&number| number < cluster.bodies.start));
             next.is_some_and(|&next| next < cluster.bodies.end)
         };
-        let seen: Vec<&Cluster<D>> = clusters.iter().filter(owns).collect();
-        let halo = Halo::of_numbers(peers, &numbers, seen.iter().flat_map(|cluster| cluster.bodies.clone()));
+        let owned: Vec<&Cluster<D>> = clusters.iter().filter(owns).collect();
+        let halo = Halo::of_numbers(peers, &numbers, owned.iter().flat_map(|cluster| cluster.bodies.clone()));
         let centers = halo.spread_vectors(peers, &state.centers());
         let rotations = spread_matrices(peers, &halo, state.bodies.iter().map(|body| body.rotation));
         let spins = spread_matrices(peers, &halo, moves.iter().map(|twist| twist.spin));
@@ -83,7 +83,7 @@ impl<const D: usize> GranularClusters<D> {
                 balls,
             }
         };
-        GranularClusters { clusters: seen.iter().map(rigid).collect(), halo, step }
+        GranularClusters { clusters: owned.iter().map(rigid).collect(), halo, step }
     }
 
     /// Gives the own balls of clusters the velocities that carry them over the step as rigid motions do, next to wanted ones that contacts change. Collective.
@@ -257,10 +257,10 @@ fn from_mean<const D: usize>(centers: &[SVector<f64, D>]) -> Vec<SVector<f64, D>
 /// Matrices of all bodies that are seen, from those of the own ones. Collective.
 fn spread_matrices<const D: usize>(peers: Peers, halo: &Halo, own: impl Iterator<Item = SMatrix<f64, D, D>>) -> Vec<SMatrix<f64, D, D>> {
     let own: Vec<SMatrix<f64, D, D>> = own.collect();
-    let mut seen: Vec<SMatrix<f64, D, D>> = vec![SMatrix::zeros(); halo.len()];
+    let mut spread: Vec<SMatrix<f64, D, D>> = vec![SMatrix::zeros(); halo.len()];
     for column in 0..D {
         let of_own: Vec<SVector<f64, D>> = own.iter().map(|matrix| matrix.column(column).into_owned()).collect();
-        halo.spread_vectors(peers, &of_own).iter().zip(&mut seen).for_each(|(from, to)| to.set_column(column, from));
+        halo.spread_vectors(peers, &of_own).iter().zip(&mut spread).for_each(|(from, to)| to.set_column(column, from));
     }
-    seen
+    spread
 }

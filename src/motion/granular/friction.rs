@@ -29,8 +29,8 @@ impl<const D: usize> Granular<D> {
         let moves: Vec<Twist<D>> = kept.velocities.iter().zip(&kept.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        let (twists, stuck, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, shear: state.shear, effort })
+        let (twists, adhesive_contacts, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
+        Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, effort })
     }
 
     /// Velocities and spins that keep contacts with friction, next to those wanted. Collective.
@@ -58,7 +58,7 @@ impl<const D: usize> Granular<D> {
             cluster_of: &[],
         };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
-        let last = state.held.iter().map(|held| (held.identity(), held.tangential)).collect();
+        let last = state.contact_history.iter().map(|contact| (contact.identity(), contact.tangential)).collect();
         let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, last: &last };
         project_with_friction(peers, &share, &friction, &state.memory())
     }

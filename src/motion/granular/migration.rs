@@ -70,8 +70,8 @@ pub fn own_part<const D: usize>(share: &Share, whole: State<D>) -> State<D> {
     let own = |identity: Identity<D>| bodies_of(identity).any(|body| numbers.binary_search(&body).is_ok());
     State {
         bodies: numbers.iter().map(|&number| whole.bodies[number]).collect(),
-        held: whole.held.into_iter().filter(|held| own(held.identity())).collect(),
-        stuck: whole.stuck.into_iter().filter(|stuck| own(stuck.identity())).collect(),
+        contact_history: whole.contact_history.into_iter().filter(|contact| own(contact.identity())).collect(),
+        adhesive_contacts: whole.adhesive_contacts.into_iter().filter(|contact| own(contact.identity())).collect(),
         share: share.clone(),
         ..whole
     }
@@ -95,10 +95,10 @@ pub fn migrate<const D: usize>(
     let now: Vec<usize> = bodies.iter().map(|&(number, ..)| number).collect();
     let owner_of = |number: usize| numbers.binary_search(&number).ok().map(|place| owners[place]);
     let moved = Migrated { peers, now: &now, owner_of: &owner_of };
-    let (held, length) = (std::mem::take(&mut state.held), ContactHistory::<D>::LENGTH);
-    state.held = moved.contacts(held, length, ContactHistory::identity, ContactHistory::pack, ContactHistory::unpack);
-    let stuck = moved.numbers(state.stuck.iter().map(|stuck| (stuck.identity(), stuck.gamma)).collect());
-    state.stuck = stuck.into_iter().map(AdhesiveContact::from).collect();
+    let (contact_history, length) = (std::mem::take(&mut state.contact_history), ContactHistory::<D>::LENGTH);
+    state.contact_history = moved.contacts(contact_history, length, ContactHistory::identity, ContactHistory::pack, ContactHistory::unpack);
+    let adhesive_contacts = moved.numbers(state.adhesive_contacts.iter().map(|contact| (contact.identity(), contact.gamma)).collect());
+    state.adhesive_contacts = adhesive_contacts.into_iter().map(AdhesiveContact::from).collect();
     state.share = Share::Own { numbers: now, count: *count };
     (state.bodies, *constants) = bodies.into_iter().map(|(_, body, constants)| (body, constants)).unzip();
 }
@@ -174,23 +174,24 @@ impl Migrated<'_> {
 pub fn remembered<const D: usize>(
     peers: Peers,
     found: &ProjectionShare<D>,
-    stuck: &[AdhesiveContact<D>],
+    adhesive_contacts: &[AdhesiveContact<D>],
     remember: impl Fn(&[AdhesiveContact<D>], &[ContactForce<D>]) -> Vec<AdhesiveContact<D>>,
 ) -> Vec<AdhesiveContact<D>> {
     let view = &found.view;
     let placed = |number: usize| view.halo.place(number).expect("bodies that stick are seen");
-    let before: Vec<AdhesiveContact<D>> = stuck.iter().map(|stuck| (renamed(stuck.identity(), placed), stuck.gamma).into()).collect();
+    let before: Vec<AdhesiveContact<D>> =
+        adhesive_contacts.iter().map(|contact| (renamed(contact.identity(), placed), contact.gamma).into()).collect();
     let after = remember(&before, &found.projection.forces);
     if !peers.any(!after.is_empty()) {
         return Vec::new();
     }
     let mut letters = vec![Vec::new(); peers.count()];
     let mut own = Vec::new();
-    for stuck in after.iter().filter(|stuck| view.answers(stuck.identity())) {
-        let identity = renamed(stuck.identity(), |place| view.halo.numbers()[place]);
-        own.push((identity, stuck.gamma).into());
-        if let Some(rank) = view.across(stuck.identity()) {
-            letters[rank].extend(pack(identity, stuck.gamma));
+    for contact in after.iter().filter(|contact| view.answers(contact.identity())) {
+        let identity = renamed(contact.identity(), |place| view.halo.numbers()[place]);
+        own.push((identity, contact.gamma).into());
+        if let Some(rank) = view.across(contact.identity()) {
+            letters[rank].extend(pack(identity, contact.gamma));
         }
     }
     own.extend(peers.deliver(&letters).chunks(packed_length::<D>()).map(|numbers| AdhesiveContact::from(unpack(numbers))));

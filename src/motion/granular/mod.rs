@@ -11,6 +11,7 @@ mod setup;
 mod ties;
 mod together;
 mod velocities;
+mod with_ties;
 
 pub use setup::{GranularBody, GranularSetup};
 
@@ -28,7 +29,7 @@ use self::{
 };
 use super::{
     step_control::{BodyMotion, StepControl, StepLimits},
-    stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
+    stepper::{Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
 use crate::{
@@ -36,7 +37,7 @@ use crate::{
     contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
     error::{Error, Result},
     geometry::{Ball, Domain},
-    interaction::{Arrangement, Interactions, Touch},
+    interaction::{Arrangement, Interactions},
     mechanics::{GivenPlace, Moving, ResidualMonitor, State},
     parallel::Peers,
     petsc::{Session, Stage, enter},
@@ -93,7 +94,7 @@ struct Known<const D: usize> {
 struct Kept<const D: usize> {
     projection: ProjectionShare<D>,
     /// What contacts remember then.
-    stuck: Vec<AdhesiveContact<D>>,
+    adhesive_contacts: Vec<AdhesiveContact<D>>,
     /// What contacts change the wanted velocities by that ties are next to; empty without ties.
     changes: Vec<SVector<f64, D>>,
 }
@@ -184,8 +185,8 @@ impl<const D: usize> Granular<D> {
     }
 
     /// The own bodies, those within reach of interactions, and those of contacts that stick.
-    fn neighbours(&self, peers: Peers, state: &State<D>, stuck: &[AdhesiveContact<D>]) -> Neighbours<D> {
-        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), stuck, self.reach)
+    fn neighbours(&self, peers: Peers, state: &State<D>, adhesive_contacts: &[AdhesiveContact<D>]) -> Neighbours<D> {
+        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), adhesive_contacts, self.reach)
     }
 
     /// The forces that interactions know from where bodies are, and accelerations by all forces but those that a projection finds.
@@ -197,8 +198,8 @@ impl<const D: usize> Granular<D> {
         let forces = self.interactions.forces(&arrangement);
         let (pushes, contacts) = (forces.on_bodies(near.halo.len(), &[]), forces.contacts);
         let accelerations = self.bodies.iter().zip(near.halo.own()).map(|(body, &place)| Acceleration::of(body, &pushes[place])).collect();
-        let told: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
-        let kkt_report = Some(KktReport::of_forces(&told, arrangement.balls).over(self.peers()));
+        let reported: Vec<ContactForce<D>> = contacts.iter().filter(|force| near.halo.owns(force.contact.body)).copied().collect();
+        let kkt_report = Some(KktReport::of_forces(&reported, arrangement.balls).over(self.peers()));
         Known { contacts: near.own_contacts(contacts), kkt_report, accelerations, twists: Vec::new() }
     }
 
@@ -234,9 +235,18 @@ impl<const D: usize> Granular<D> {
         let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
         let arrangement =
             Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0, time: state.time };
-        let remember = |stuck: &[_], forces: &[_]| self.interactions.remember(&arrangement, stuck, forces, step);
-        let remembered = migration::remembered(peers, &found, &state.stuck, remember);
+        let remember = |adhesive_contacts: &[_], forces: &[_]| self.interactions.remember(&arrangement, adhesive_contacts, forces, step);
+        let remembered = migration::remembered(peers, &found, &state.adhesive_contacts, remember);
         Ok((found, remembered))
+    }
+
+    /// The motions of own bodies over a step by all forces but those that a projection finds; those that are given.
+    fn without_contacts(&self, state: &State<D>, step: f64, push: f64) -> Vec<Twist<D>> {
+        let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, push);
+        let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
+        let given = self.trajectories.mean_twists(state.time, step);
+        given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
+        moves
     }
 
     /// Velocities that keep contacts and ties, next to those wanted.
@@ -249,9 +259,21 @@ impl<const D: usize> Granular<D> {
     ) -> Result<Kept<D>> {
         let lower_bounds = self.lower_bounds(state, step);
         let Some(ties) = ties else {
-            let (projection, stuck) = self.project(state, moves, &lower_bounds, step)?;
-            return Ok(Kept { projection, stuck, changes: Vec::new() });
+            let (projection, adhesive_contacts) = self.project(state, moves, &lower_bounds, step)?;
+            return Ok(Kept { projection, adhesive_contacts, changes: Vec::new() });
         };
+        self.keep_ties(state, ties, (moves, rubbed), &lower_bounds, step)
+    }
+
+    /// The same in turn with ties, until both agree.
+    fn keep_ties(
+        &self,
+        state: &State<D>,
+        ties: &mut Ties<D>,
+        (moves, rubbed): (&[Twist<D>], Option<&[Twist<D>]>),
+        lower_bounds: &[ContactForce<D>],
+        step: f64,
+    ) -> Result<Kept<D>> {
         let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
         let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
@@ -264,17 +286,15 @@ impl<const D: usize> Granular<D> {
             }
             let changes = with_friction(&contacts.ahead, rubbed);
             let tied = ties.hold(peers, &wanted, &changes);
-            for (body, twist) in target.iter_mut().enumerate() {
-                twist.velocity = tied[body] - contacts.ahead[body];
-            }
-            let (projection, stuck) = self.project(state, &target, &lower_bounds, step)?;
+            target.iter_mut().zip(tied.iter().zip(&contacts.ahead)).for_each(|(twist, (tied, ahead))| twist.velocity = tied - ahead);
+            let (projection, adhesive_contacts) = self.project(state, &target, lower_bounds, step)?;
             let kept = &projection.projection.velocities;
             let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
             apart = -peers.min(-difference) * step;
             if apart <= AGREEMENT * smallest {
-                return Ok(Kept { projection, stuck, changes: changes.into_owned() });
+                return Ok(Kept { projection, adhesive_contacts, changes: changes.into_owned() });
             }
-            together.meet(&projection, &lower_bounds);
+            together.meet(&projection, lower_bounds);
             let at_once = if AT_ONCE.contains(&round) {
                 self.changes_at_once((state, step), [&with_friction(&wanted, rubbed), &contacts.ahead], &tied, (&together, ties))
             } else {
@@ -283,12 +303,7 @@ impl<const D: usize> Granular<D> {
             contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
             contacts = at_once.map_or(contacts, Accelerated::new);
         }
-        let text = format!(
-            "at time {} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
-             time.step or softer chains may help",
-            state.time
-        );
-        Err(Error::StepTooLong { text, step })
+        Err(disagreement(state.time, step, apart))
     }
 
     /// What contacts change wanted velocities by where they and ties are solved at once, from changes of which ties have made those held. Collective.
@@ -321,13 +336,13 @@ impl<const D: usize> Granular<D> {
     /// What the contact forces of the last step would change velocities by. Collective.
     fn by_last_contacts(&self, state: &State<D>, step: f64) -> Vec<SVector<f64, D>> {
         let (peers, numbers) = (self.peers(), state.numbers());
-        let halo = Halo::of_numbers(peers, &numbers, state.held.iter().flat_map(|held| bodies_of(held.identity())));
+        let halo = Halo::of_numbers(peers, &numbers, state.contact_history.iter().flat_map(|contact| bodies_of(contact.identity())));
         let balls = halo.spread_balls(peers, &state.balls(&self.radii));
         let mut changes = vec![SVector::zeros(); halo.len()];
-        for held in &state.held {
-            let identity = renamed(held.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
+        for history in &state.contact_history {
+            let identity = renamed(history.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
             let contact = Contact::again(&self.domain, &balls, identity);
-            let push = contact.normal * (held.force * step);
+            let push = contact.normal * (history.force * step);
             changes[contact.body] -= push;
             if let Some(other) = contact.other() {
                 changes[other] += push;
@@ -382,11 +397,11 @@ impl<const D: usize> Granular<D> {
 
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
-        if !self.peers().any(!state.stuck.is_empty()) {
+        if !self.peers().any(!state.adhesive_contacts.is_empty()) {
             return Vec::new();
         }
-        let near = self.neighbours(self.peers(), state, &state.stuck);
-        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.stuck, step);
+        let near = self.neighbours(self.peers(), state, &state.adhesive_contacts);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.adhesive_contacts, step);
         near.own_contacts(bounds)
     }
 }
@@ -450,10 +465,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
     fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
         let start = Instant::now();
         let push = self.push(state.last_step, step);
-        let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, push);
-        let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
-        let given = self.trajectories.mean_twists(state.time, step);
-        given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
+        let mut moves = self.without_contacts(state, step, push);
         let rubs = self.interactions.friction().is_some();
         if rubs && !self.interactions.tie() {
             return self.advance_with_friction(state, &moves, step);
@@ -462,38 +474,14 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let rubbing = rubs.then(|| self.rub(state, &moves, length));
         let rubbed = rubbing.as_ref().map(|rubbing| &rubbing.changes[..]);
         moves.iter_mut().zip(rubbed.unwrap_or_default()).for_each(|(twist, change)| twist.spin += change.spin);
-        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, length);
-        let (mut contacts, mut stuck, mut kkt_report) = (self.known.contacts.clone(), Vec::new(), None);
-        let mut pressed = Vec::new();
-        let wanted = velocities(&moves);
-        let mut changes = vec![SVector::zeros(); moves.len()];
-        let touch = self.interactions.touch();
-        if touch == Some(Touch::Hard) {
-            let kept = self.keep_apart(state, ties.as_mut(), (&moves, rubbed), step)?;
-            let ProjectionShare { projection, view } = kept.projection;
-            moves.iter_mut().zip(&projection.velocities).for_each(|(twist, velocity)| twist.velocity = *velocity);
-            pressed = projection.forces.iter().map(|force| ContactForce { contact: view.numbered(&force.contact), ..*force }).collect();
-            (stuck, changes, kkt_report) = (kept.stuck, kept.changes, Some(projection.kkt_report));
-        } else if let Some(ties) = &mut ties {
-            moves.iter_mut().zip(ties.hold(self.peers(), &wanted, &changes)).for_each(|(twist, velocity)| twist.velocity = velocity);
-        }
-        match touch {
-            None => self.refuse_outside(state)?,
-            Some(Touch::Soft { .. }) => kkt_report = self.known.kkt_report,
-            Some(Touch::Hard) => {}
-        }
-        let mut twists = moves.clone();
-        if let Some(ties) = ties {
-            self.refuse_missed(state.time, step, &ties)?;
-            ties.turn(self.peers(), [&wanted, &changes], &mut moves, &mut twists);
-        }
-        if let Some(rubbing) = &rubbing {
-            let friction = Some(self.friction_report(state, rubbing, &moves, &pressed));
-            kkt_report = kkt_report.map(|report| KktReport { friction, ..report });
-            pressed = rubbing.forces(state, pressed);
-        }
-        contacts.extend(pressed);
-        let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(StepOutcome { step, twists, moves, contacts, stuck, kkt_report, shear: state.shear, effort })
+        self.advance_with_ties(state, (moves, rubbing), length, start)
     }
+}
+
+fn disagreement(time: f64, step: f64, apart: f64) -> Error {
+    let text = format!(
+        "at time {time} contacts do not agree with bonds and rigid clusters after {MOST_ROUNDS} rounds (places differ by {apart:.1e}); a shorter \
+         time.step or softer chains may help"
+    );
+    Error::StepTooLong { text, step }
 }

@@ -14,7 +14,7 @@ pub struct Neighbours<const D: usize> {
     /// Whose they are.
     pub halo: Halo,
     /// The contacts that stick.
-    pub stuck: Vec<AdhesiveContact<D>>,
+    pub adhesive_contacts: Vec<AdhesiveContact<D>>,
     balls: Vec<Ball<D>>,
     masses: Vec<f64>,
 }
@@ -26,17 +26,18 @@ impl<const D: usize> Neighbours<D> {
         (domain, regions): (&Domain<D>, &Regions<D>),
         state: &State<D>,
         (radii, masses): (&[f64], &[f64]),
-        stuck: &[AdhesiveContact<D>],
+        adhesive_contacts: &[AdhesiveContact<D>],
         reach: f64,
     ) -> Neighbours<D> {
         let balls = state.balls(radii);
         let around: Vec<Ball<D>> = balls.iter().map(|ball| Ball { radius: ball.radius + 0.5 * reach, ..*ball }).collect();
         let numbers = state.numbers();
-        let required = stuck.iter().flat_map(|stuck| stuck.bodies());
+        let required = adhesive_contacts.iter().flat_map(|contact| contact.bodies());
         let halo = Halo::new(peers, &OwnBodies { domain, regions, numbers: &numbers, around: &around }, required);
         let place = |number: usize| halo.place(number).expect("bodies that stick are seen");
-        let stuck = stuck.iter().map(|stuck| (renamed(stuck.identity(), place), stuck.gamma).into()).collect();
-        Neighbours { balls: halo.spread_balls(peers, &balls), masses: halo.spread(peers, masses), stuck, halo }
+        let adhesive_contacts =
+            adhesive_contacts.iter().map(|contact| (renamed(contact.identity(), place), contact.gamma).into()).collect();
+        Neighbours { balls: halo.spread_balls(peers, &balls), masses: halo.spread(peers, masses), adhesive_contacts, halo }
     }
 
     /// They as interactions see them at a time.

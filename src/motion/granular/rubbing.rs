@@ -53,7 +53,7 @@ impl<const D: usize> Granular<D> {
         let (peers, surfaces) = (self.peers(), self.interactions.surfaces());
         let wanted: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
         let mut known: BTreeMap<Identity<D>, ContactWrench<D>> = BTreeMap::new();
-        let last = state.all_held(self.session.world());
+        let last = state.whole_contact_history(self.session.world());
         let mut rubbing = Rubbing::none(moves.len(), step.length);
         for round in 0..ROUNDS {
             let turned: Vec<Twist<D>> = moves.iter().zip(&rubbing.changes).map(|(twist, change)| spun(twist, change)).collect();
@@ -94,9 +94,9 @@ impl<const D: usize> Granular<D> {
         normal: &[ContactForce<D>],
     ) -> FrictionReport {
         let twists = all_twists(self.peers(), state, moves);
-        let pressed = all_normal_forces(self.peers(), normal);
+        let normal_forces = all_normal_forces(self.peers(), normal);
         let whole = |(contact, wrench): (&Contact<D>, &ContactWrench<D>)| {
-            let force = pressed.get(&contact.identity()).copied().unwrap_or(0.0);
+            let force = normal_forces.get(&contact.identity()).copied().unwrap_or(0.0);
             ContactWrench { force: wrench.force + contact.normal * force, ..*wrench }
         };
         let wrenches: Vec<ContactWrench<D>> = rubbing.contacts.iter().zip(&rubbing.wrenches).map(whole).collect();

@@ -47,9 +47,10 @@ impl<const D: usize> HalfStepBehind<'_, D> {
     /// motions with which their contacts were left. What is tied is carried on as a whole. Collective.
     pub fn carried_on(&self, peers: Peers) -> Vec<Twist<D>> {
         let state = self.state;
-        let pressed = state.held.iter().map(ContactHistory::identity).chain(state.stuck.iter().map(AdhesiveContact::identity));
+        let touching =
+            state.contact_history.iter().map(ContactHistory::identity).chain(state.adhesive_contacts.iter().map(AdhesiveContact::identity));
         let mut touched = vec![false; state.bodies.len()];
-        pressed.flat_map(bodies_of).filter_map(|body| state.place(body)).for_each(|place| touched[place] = true);
+        touching.flat_map(bodies_of).filter_map(|body| state.place(body)).for_each(|place| touched[place] = true);
         let of_groups = self.group_accelerations(peers, &touched);
         let now = |(place, body): (usize, &Moving<D>)| match self.group(state.number(place)) {
             Some(group) => Twist { velocity: body.twist.velocity + of_groups[group] * self.lag, ..body.twist },

@@ -33,10 +33,10 @@ struct Walk {
     found: Option<(String, f64)>,
 }
 
-type Outcome = std::result::Result<(), serde_json::Error>;
+type Serialized = std::result::Result<(), serde_json::Error>;
 
 impl Walk {
-    fn step(&mut self, name: String, value: &(impl Serialize + ?Sized)) -> Outcome {
+    fn step(&mut self, name: String, value: &(impl Serialize + ?Sized)) -> Serialized {
         self.path.push(name);
         let outcome = value.serialize(&mut *self);
         self.path.pop();
@@ -57,7 +57,7 @@ impl<'a> Fields<'a> {
         Fields { walk, passed: 0, key: None }
     }
 
-    fn next(&mut self, value: &(impl Serialize + ?Sized)) -> Outcome {
+    fn next(&mut self, value: &(impl Serialize + ?Sized)) -> Serialized {
         self.passed += 1;
         let name = self.key.take().unwrap_or_else(|| (self.passed - 1).to_string());
         self.walk.step(name, value)
@@ -65,15 +65,15 @@ impl<'a> Fields<'a> {
 }
 
 macro_rules! plain {
-    ($($name:ident: $kind:ty),*) => { $(fn $name(self, _: $kind) -> Outcome { Ok(()) })* };
+    ($($name:ident: $kind:ty),*) => { $(fn $name(self, _: $kind) -> Serialized { Ok(()) })* };
 }
 
 macro_rules! numbered {
     ($($part:ident: $name:ident),*) => { $(impl $part for Fields<'_> {
         type Ok = ();
         type Error = serde_json::Error;
-        fn $name<T: Serialize + ?Sized>(&mut self, value: &T) -> Outcome { self.next(value) }
-        fn end(self) -> Outcome { Ok(()) }
+        fn $name<T: Serialize + ?Sized>(&mut self, value: &T) -> Serialized { self.next(value) }
+        fn end(self) -> Serialized { Ok(()) }
     })* };
 }
 
@@ -81,8 +81,8 @@ macro_rules! named {
     ($($part:ident),*) => { $(impl $part for Fields<'_> {
         type Ok = ();
         type Error = serde_json::Error;
-        fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Outcome { self.walk.step(name.into(), value) }
-        fn end(self) -> Outcome { Ok(()) }
+        fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Serialized { self.walk.step(name.into(), value) }
+        fn end(self) -> Serialized { Ok(()) }
     })* };
 }
 
@@ -94,16 +94,16 @@ impl SerializeMap for Fields<'_> {
     type Ok = ();
     type Error = serde_json::Error;
 
-    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Outcome {
+    fn serialize_key<T: Serialize + ?Sized>(&mut self, key: &T) -> Serialized {
         self.key = serde_json::to_value(key)?.as_str().map(str::to_owned);
         Ok(())
     }
 
-    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Outcome {
+    fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Serialized {
         self.next(value)
     }
 
-    fn end(self) -> Outcome {
+    fn end(self) -> Serialized {
         Ok(())
     }
 }
@@ -124,42 +124,42 @@ impl<'a> Serializer for &'a mut Walk {
     plain!(serialize_bool: bool, serialize_i8: i8, serialize_i16: i16, serialize_i32: i32, serialize_i64: i64, serialize_u8: u8);
     plain!(serialize_u16: u16, serialize_u32: u32, serialize_u64: u64, serialize_char: char, serialize_str: &str, serialize_bytes: &[u8]);
 
-    fn serialize_f32(self, value: f32) -> Outcome {
+    fn serialize_f32(self, value: f32) -> Serialized {
         self.serialize_f64(value.into())
     }
 
-    fn serialize_f64(self, value: f64) -> Outcome {
+    fn serialize_f64(self, value: f64) -> Serialized {
         if !value.is_finite() && self.found.is_none() {
             self.found = Some((self.path.join("."), value));
         }
         Ok(())
     }
 
-    fn serialize_none(self) -> Outcome {
+    fn serialize_none(self) -> Serialized {
         Ok(())
     }
 
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Outcome {
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Serialized {
         value.serialize(self)
     }
 
-    fn serialize_unit(self) -> Outcome {
+    fn serialize_unit(self) -> Serialized {
         Ok(())
     }
 
-    fn serialize_unit_struct(self, _: &'static str) -> Outcome {
+    fn serialize_unit_struct(self, _: &'static str) -> Serialized {
         Ok(())
     }
 
-    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Outcome {
+    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Serialized {
         Ok(())
     }
 
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Outcome {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Serialized {
         value.serialize(self)
     }
 
-    fn serialize_newtype_variant<T: Serialize + ?Sized>(self, _: &'static str, _: u32, name: &'static str, value: &T) -> Outcome {
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(self, _: &'static str, _: u32, name: &'static str, value: &T) -> Serialized {
         self.step(name.into(), value)
     }
 

@@ -74,7 +74,7 @@ impl PageLayout {
         if !self.words {
             return;
         }
-        let label = film.told_of(time);
+        let label = film.time_label(time);
         let right = self.corner[0] + self.extent[0];
         let letters = (right.saturating_sub(self.corner[0] + text::width(&label) + 2 * MARGIN)) / text::width(" ");
         let title: String = film.title.chars().take(letters).collect();

@@ -13,7 +13,7 @@ use crate::{
     body::{Twist, components, planes, skew},
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
     error::{Error, Offer, Refusal, Result},
-    fitted::Rigid,
+    fitted::PlaneTwist,
     grid::Grid,
     interaction::Wrench,
     mechanics::{
@@ -133,8 +133,8 @@ fn read_mesh_level(checkpoint: &Checkpoint, bodies: usize, name: &str) -> Result
     let vectors = |what: &str| -> Result<Vec<Vector2<f64>>> {
         Ok(checkpoint.shared(&format!("{name}_{what}"))?.chunks_exact(2).map(Vector2::from_column_slice).collect())
     };
-    let motion = |numbers: &[f64]| Rigid { velocity: Vector2::new(numbers[0], numbers[1]), spin: numbers[2] };
-    let motions: Vec<Rigid> = checkpoint.shared(&format!("{name}_motions"))?.chunks_exact(3).map(motion).collect();
+    let motion = |numbers: &[f64]| PlaneTwist { velocity: Vector2::new(numbers[0], numbers[1]), spin: numbers[2] };
+    let motions: Vec<PlaneTwist> = checkpoint.shared(&format!("{name}_motions"))?.chunks_exact(3).map(motion).collect();
     let &[time] = &checkpoint.shared(&format!("{name}_time"))?[..] else { return Err(misfit("time")) };
     let level = MeshLevel { time, centers: vectors("centers")?, motions, nodes: vectors("nodes")?, velocities: vectors("velocities")? };
     let fits = level.centers.len() == bodies && level.motions.len() == bodies && level.velocities.len() == level.nodes.len();
@@ -215,21 +215,21 @@ fn read_fluid<const D: usize>(checkpoint: &Checkpoint, grid: &Grid<D>, name: &st
 
 fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, simulation: &Simulation<D>) -> Result<()> {
     let state = simulation.state();
-    let (held, stuck) = (state.written_held(world), state.written_stuck(world));
+    let (history, adhesive) = (state.written_contact_history(world), state.written_adhesive_contacts(world));
     let not_zero = |vector: &Vec<f64>| vector.iter().any(|entry| *entry != 0.0);
-    let of_held = |vector: &dyn Fn(&ContactHistory<D>) -> Vec<f64>| -> Vec<(Identity<D>, Vec<f64>)> {
-        held.iter().map(|held| (held.identity(), vector(held))).filter(|(_, vector)| not_zero(vector)).collect()
+    let of_history = |vector: &dyn Fn(&ContactHistory<D>) -> Vec<f64>| -> Vec<(Identity<D>, Vec<f64>)> {
+        history.iter().map(|contact| (contact.identity(), vector(contact))).filter(|(_, vector)| not_zero(vector)).collect()
     };
-    let tangential = of_held(&|held| held.tangential.as_slice().to_vec());
-    let couples = of_held(&|held| components(&held.couple));
-    let mut counts = [stuck.len() as f64, tangential.len() as f64, couples.len() as f64];
+    let tangential = of_history(&|contact| contact.tangential.as_slice().to_vec());
+    let couples = of_history(&|contact| components(&contact.couple));
+    let mut counts = [adhesive.len() as f64, tangential.len() as f64, couples.len() as f64];
     world.sum(&mut counts);
     let mut numbers = vec![state.time, state.steps as f64, state.last_step];
     // how many, so that a list that is lost is missed
     let last = counts.iter().rposition(|count| *count > 0.0);
     numbers.extend(&counts[..last.map_or(0, |last| last + 1)]);
     if counts[0] > 0.0 {
-        store_contacts(writer, state.count(), "stuck", stuck)?;
+        store_contacts(writer, state.count(), "stuck", adhesive)?;
     }
     if counts[1] > 0.0 {
         store_vectors(writer, state.count(), "tangential", &tangential)?;
@@ -244,7 +244,7 @@ fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, sim
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
     writer.shared("carried", &flat(&state.carried))?;
-    store_contacts(writer, state.count(), "contacts", held.iter().map(|held| (held.identity(), held.force)).collect())
+    store_contacts(writer, state.count(), "contacts", history.iter().map(|contact| (contact.identity(), contact.force)).collect())
 }
 
 /// Stores contacts of so many bodies, each with a number, as rows of their first bodies.
@@ -301,13 +301,13 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
     let numbers = checkpoint.shared("time")?;
     let (&[time, steps, last_step], counts) = numbers.split_first_chunk().ok_or_else(|| misfit("time"))?;
     let [sticking, sliding, turning] = [0, 1, 2].map(|place| counts.get(place).copied().unwrap_or(0.0));
-    let stuck = if sticking > 0.0 { read_contacts(checkpoint, "stuck")? } else { Vec::new() };
-    if stuck.len() as f64 != sticking || counts.len() > 3 {
+    let adhesive = if sticking > 0.0 { read_contacts(checkpoint, "stuck")? } else { Vec::new() };
+    if adhesive.len() as f64 != sticking || counts.len() > 3 {
         return Err(misfit("stuck"));
     }
     let flat = world.gather(&checkpoint.rows("bodies", bodies, Moving::<D>::LENGTH)?.ok_or_else(|| misfit("bodies"))?);
     let (tangential, couples) = (read_vectors(checkpoint, "tangential", sliding)?, read_vectors(checkpoint, "couples", turning)?);
-    let held = |(identity, force): (Identity<D>, f64)| {
+    let history = |(identity, force): (Identity<D>, f64)| {
         let (body, partner, image) = identity;
         let tangential = tangential.get(&identity).map_or_else(SVector::zeros, |vector| SVector::from_column_slice(vector));
         let couple = couples.get(&identity).map_or_else(SMatrix::zeros, |vector| skew(vector));
@@ -320,8 +320,8 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         shear: FoundShear::default(),
         share: Share::Whole,
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
-        held: read_contacts(checkpoint, "contacts")?.into_iter().map(held).collect(),
-        stuck: stuck.into_iter().map(AdhesiveContact::from).collect(),
+        contact_history: read_contacts(checkpoint, "contacts")?.into_iter().map(history).collect(),
+        adhesive_contacts: adhesive.into_iter().map(AdhesiveContact::from).collect(),
         carried: checkpoint.shared("carried")?.chunks(D).map(SVector::from_column_slice).collect(),
     })
 }

@@ -117,12 +117,12 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
 
 /// Contacts that bear a force or stick, of those that this rank writes of, as frames hold them. Collective.
 fn network<const D: usize>(motion: &MotionView<D>, gluey: bool, written: &Range<usize>) -> Vec<FrameContact<D>> {
-    let (state, domain, held) = (motion.state(), motion.domain(), motion.held());
+    let (state, domain, history) = (motion.state(), motion.domain(), motion.contact_history());
     let friction = motion.simulation.interactions().friction().is_some();
-    let held = held.iter().map(|held| (held.identity(), held.force, 0.0, held.tangential));
-    let stuck = state.stuck.iter().map(|stuck| (stuck.identity(), 0.0, stuck.gamma, SVector::zeros()));
+    let active = history.iter().map(|contact| (contact.identity(), contact.force, 0.0, contact.tangential));
+    let adhesive = state.adhesive_contacts.iter().map(|contact| (contact.identity(), 0.0, contact.gamma, SVector::zeros()));
     let mut all: Vec<(Identity<D>, f64, f64, SVector<f64, D>)> =
-        held.chain(stuck).filter(|((body, ..), ..)| writes(motion, written, *body)).collect();
+        active.chain(adhesive).filter(|((body, ..), ..)| writes(motion, written, *body)).collect();
     all.sort_by_key(|&(identity, ..)| identity);
     // a contact that bears a force and sticks
     all.dedup_by(|(again, force, gamma, _), (identity, of_both, memory, _)| {
@@ -132,7 +132,7 @@ fn network<const D: usize>(motion: &MotionView<D>, gluey: bool, written: &Range<
         }
         same
     });
-    let (halo, balls) = motion.simulation.seen(all.iter().flat_map(|(identity, ..)| bodies_of(*identity)));
+    let (halo, balls) = motion.simulation.halo_of(all.iter().flat_map(|(identity, ..)| bodies_of(*identity)));
     let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
     let contact = |(identity, force, gamma, tangential): (Identity<D>, f64, f64, SVector<f64, D>)| {
         let placed = Contact::again(domain, &balls, renamed(identity, place));

@@ -205,10 +205,10 @@ impl<const D: usize> Bodies<D> {
 
 /// Contacts that bear a force and are this rank's to tell. Collective.
 fn contacts<const D: usize>(motion: &MotionView<D>, domain: &Domain<D>) -> Vec<ProfileContact<D>> {
-    let held = motion.held();
+    let history = motion.contact_history();
     let own: Vec<(Identity<D>, f64)> =
-        held.iter().filter(|held| motion.state().tells(held.body)).map(|held| (held.identity(), held.force)).collect();
-    let (halo, balls) = motion.simulation.seen(own.iter().flat_map(|(identity, _)| bodies_of(*identity)));
+        history.iter().filter(|contact| motion.state().reports(contact.body)).map(|contact| (contact.identity(), contact.force)).collect();
+    let (halo, balls) = motion.simulation.halo_of(own.iter().flat_map(|(identity, _)| bodies_of(*identity)));
     let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
     let contact = |(identity, force): (Identity<D>, f64)| {
         let Contact { body, normal, separation, .. } = Contact::again(domain, &balls, renamed(identity, place));

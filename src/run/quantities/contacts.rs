@@ -11,10 +11,16 @@ use crate::{
 
 /// Forces of contacts and the quadratic program.
 pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
-    let gap = "smallest gap between bodies, or of a body to a wall; negative: overlap; empty: no two are near";
+    let mut all = network();
+    all.extend(program());
+    all
+}
+
+/// Which contacts there are.
+fn network<const D: usize>() -> Vec<Quantity<D>> {
     vec![
         Quantity::new("contacts", "", "contacts that bear a force or stick", |view| {
-            contact(view).and_then(|_| Some(view.contacts()?.held))
+            contact(view).and_then(|_| Some(view.contacts()?.active))
         }),
         Quantity::new(
             "contact_number",
@@ -29,8 +35,15 @@ pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
             |view| contact(view).and(view.flow).and(view.motion).map(|motion| Perhaps(motion.fabric())),
         ),
         Quantity::new("stuck", "", "contacts that stick (sticky contact, `gluey`)", |view| {
-            contact(view)?.gluey().then(|| Some(view.contacts()?.stuck))?
+            contact(view)?.gluey().then(|| Some(view.contacts()?.adhesive))?
         }),
+    ]
+}
+
+/// Gaps, forces and how they were found.
+fn program<const D: usize>() -> Vec<Quantity<D>> {
+    let gap = "smallest gap between bodies, or of a body to a wall; negative: overlap; empty: no two are near";
+    vec![
         Quantity::new("smallest_gap", "radii of the smaller body", gap, |view| {
             contact(view).map(|_| Finite(kept(view).map_or(f64::INFINITY, |kept| kept.smallest_gap)))
         }),

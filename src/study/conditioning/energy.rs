@@ -12,12 +12,12 @@ use crate::{
 };
 
 /// An approximate inverse, or none.
-pub type Inverse = Box<dyn Fn(&Vector, &mut Vector) -> Result<()>>;
+pub type InverseOperator = Box<dyn Fn(&Vector, &mut Vector) -> Result<()>>;
 
 /// A matrix and its approximate inverse that keep account of energy and time as conjugate gradients use them.
 pub struct EnergyMonitor<'a> {
     matrix: &'a Matrix,
-    inverse: Inverse,
+    inverse: InverseOperator,
     start: Instant,
     /// Seconds that the account itself took.
     own_seconds: f64,
@@ -44,7 +44,7 @@ pub struct History {
 
 impl<'a> EnergyMonitor<'a> {
     /// A system at the start of its solve.
-    pub fn new(matrix: &'a Matrix, inverse: Inverse) -> EnergyMonitor<'a> {
+    pub fn new(matrix: &'a Matrix, inverse: InverseOperator) -> EnergyMonitor<'a> {
         EnergyMonitor { matrix, inverse, start: Instant::now(), own_seconds: 0.0, pending: None, steps: Vec::new() }
     }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{laplacian::Solve, preconditioning::Preconditioning};
+use super::{laplacian::LaplacianSolve, preconditioning::Preconditioning};
 use crate::study::fit::Power;
 
 /// Finest grids that a fit takes: on coarse ones the walls show.
@@ -34,9 +34,9 @@ pub struct Exponent {
 
 impl Growth {
     /// That of all solves of a dimension with a preconditioner.
-    pub fn of(solves: &[Solve], dimension: usize, method: Preconditioning) -> Growth {
+    pub fn of(solves: &[LaplacianSolve], dimension: usize, method: Preconditioning) -> Growth {
         let [condition, iterations] = if method.multigrid() { [0.0, 0.0] } else { [2.0, 1.0] };
-        let exponent = |predicted: f64, value: fn(&Solve) -> f64| {
+        let exponent = |predicted: f64, value: fn(&LaplacianSolve) -> f64| {
             let points: Vec<(f64, f64)> = of(solves, dimension, method).map(|solve| (solve.cells as f64, value(solve))).collect();
             Exponent::of(&points, predicted)
         };
@@ -59,7 +59,7 @@ impl Exponent {
 }
 
 /// The solves of a dimension with a preconditioner, from the coarsest grid to the finest.
-pub fn of(solves: &[Solve], dimension: usize, method: Preconditioning) -> impl Iterator<Item = &Solve> {
+pub fn of(solves: &[LaplacianSolve], dimension: usize, method: Preconditioning) -> impl Iterator<Item = &LaplacianSolve> {
     solves.iter().filter(move |solve| solve.dimension == dimension && solve.method == method)
 }
 

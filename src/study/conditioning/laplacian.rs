@@ -30,7 +30,7 @@ const MOST_ITERATIONS: usize = 100_000;
 
 /// One grid, solved with one preconditioner.
 #[derive(Debug, Clone, Serialize)]
-pub struct Solve {
+pub struct LaplacianSolve {
     /// Dimension of the box.
     pub dimension: usize,
     /// Cells per side, `1/h`.
@@ -115,7 +115,7 @@ impl<const D: usize> Problem<D> {
     ///
     /// # Errors
     /// The solver does not converge.
-    pub fn solve(&self, method: Preconditioning) -> Result<Solve> {
+    pub fn solve(&self, method: Preconditioning) -> Result<LaplacianSolve> {
         let session = self.matrix.session();
         let start = Instant::now();
         let (inverse, bytes) = with_bytes(session, || method.set_up(&self.matrix, D))?;
@@ -132,7 +132,7 @@ impl<const D: usize> Problem<D> {
         let condition = largest / smallest;
         let exact_condition = (method == Preconditioning::None).then(|| exact_condition(D, self.cells));
         let bounding = exact_condition.unwrap_or(condition);
-        Ok(Solve {
+        Ok(LaplacianSolve {
             dimension: D,
             cells: self.cells,
             unknowns: (self.cells - 1) * self.cells.pow(D as u32 - 1),

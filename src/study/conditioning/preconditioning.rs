@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::energy::Inverse;
+use super::energy::InverseOperator;
 use crate::{
     error::Result,
     petsc::{Amg, AmgSettings, Matrix, Preconditioner, PreconditionerKind},
@@ -54,7 +54,7 @@ impl Preconditioning {
     ///
     /// # Errors
     /// Memory is short.
-    pub fn set_up(self, matrix: &Matrix, dimension: usize) -> Result<Inverse> {
+    pub fn set_up(self, matrix: &Matrix, dimension: usize) -> Result<InverseOperator> {
         let kind = match self {
             Preconditioning::None => return Ok(Box::new(|input, output| output.copy_from(input))),
             Preconditioning::TunedAmg => {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{
     fluid::Fluid,
     growth::{Growth, of},
-    laplacian::{Solve, WANTED},
+    laplacian::{LaplacianSolve, WANTED},
     multipliers::{Constrained, MultiplierGrowth},
     preconditioning::Preconditioning,
     rigidity::Rigidity,
@@ -25,7 +25,7 @@ pub struct ConditioningReport {
     /// Error in the energy norm at which iterations and seconds of the Laplacian are counted.
     pub wanted_error: f64,
     /// The Laplacian.
-    pub laplacian: Vec<Solve>,
+    pub laplacian: Vec<LaplacianSolve>,
     /// How it grows.
     pub growth: Vec<Growth>,
     /// Multipliers of disks.
@@ -109,9 +109,9 @@ fn dashes(start: (f64, f64), last: f64, exponent: f64) -> Vec<(f64, f64)> {
     (0..DASHES).flat_map(dash).chain([point(1.0)]).collect()
 }
 
-fn laplacian_line(solve: &Solve) -> String {
-    let Solve { dimension, cells, unknowns, smallest, largest, condition, iterations, promised_iterations, .. } = solve;
-    let Solve { setup_seconds, solve_seconds, bytes, matrix_bytes, bound_taken, .. } = solve;
+fn laplacian_line(solve: &LaplacianSolve) -> String {
+    let LaplacianSolve { dimension, cells, unknowns, smallest, largest, condition, iterations, promised_iterations, .. } = solve;
+    let LaplacianSolve { setup_seconds, solve_seconds, bytes, matrix_bytes, bound_taken, .. } = solve;
     let (name, exact) = (solve.method.name().replace(',', ""), solve.exact_condition.map_or(String::new(), |exact| exact.to_string()));
     format!(
         "laplacian,{dimension},{name},{cells},{unknowns},{smallest},{largest},{condition},{exact},{iterations},{promised_iterations},\

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use super::{
     fluid::{Fluid, MOST_ITERATIONS},
     growth::{Exponent, Growth, of},
-    laplacian::{Solve, WANTED},
+    laplacian::{LaplacianSolve, WANTED},
     multipliers::{Constrained, MultiplierGrowth},
     preconditioning::Preconditioning,
     rigidity::Rigidity,
 };
-use crate::experiment::table::{Row, aligned};
+use crate::experiment::table::{TableRow, aligned};
 
 /// What is solved, and how it is measured.
 pub fn introduction(ranks: usize) -> String {
@@ -30,8 +30,8 @@ pub fn introduction(ranks: usize) -> String {
 }
 
 /// Condition numbers of the Laplacian against the exact ones.
-pub fn eigenvalues(solves: &[Solve]) -> String {
-    let row = |solve: &Solve| {
+pub fn eigenvalues(solves: &[LaplacianSolve]) -> String {
+    let row = |solve: &LaplacianSolve| {
         let exact = solve.exact_condition.unwrap_or(f64::NAN);
         vec![
             ("", format!("{}D", solve.dimension)),
@@ -45,7 +45,7 @@ pub fn eigenvalues(solves: &[Solve]) -> String {
             ("x (h/L)^2", format!("{:.4}", solve.condition / (solve.cells as f64).powi(2))),
         ]
     };
-    let rows: Vec<Row> = [2, 3].into_iter().flat_map(|dimension| of(solves, dimension, Preconditioning::None)).map(row).collect();
+    let rows: Vec<TableRow> = [2, 3].into_iter().flat_map(|dimension| of(solves, dimension, Preconditioning::None)).map(row).collect();
     format!(
         "1. Eigenvalues of the Laplacian, measured and exact\n\n{}\n\n\
          Reading: the smallest eigenvalue stays, the largest grows, and their ratio is {:.4} (L/h)^2:\n\
@@ -56,8 +56,8 @@ pub fn eigenvalues(solves: &[Solve]) -> String {
 }
 
 /// Preconditioners on all grids of a dimension, with exponents at the foot.
-pub fn preconditioners(solves: &[Solve], growth: &[Growth], dimension: usize) -> String {
-    let row = |solve: &Solve| {
+pub fn preconditioners(solves: &[LaplacianSolve], growth: &[Growth], dimension: usize) -> String {
+    let row = |solve: &LaplacianSolve| {
         vec![
             ("", solve.method.name().to_owned()),
             ("1/h", solve.cells.to_string()),
@@ -71,13 +71,13 @@ pub fn preconditioners(solves: &[Solve], growth: &[Growth], dimension: usize) ->
             ("of bound", format!("{:.2}", solve.bound_taken)),
         ]
     };
-    let rows: Vec<Row> = Preconditioning::ALL.into_iter().flat_map(|method| of(solves, dimension, method)).map(row).collect();
+    let rows: Vec<TableRow> = Preconditioning::ALL.into_iter().flat_map(|method| of(solves, dimension, method)).map(row).collect();
     let exponents = |growth: &Growth| {
         let Growth { condition, iterations, seconds, .. } = growth;
         let name = growth.method.name().to_owned();
         vec![("", name), ("condition", exponent(condition)), ("iterations", exponent(iterations)), ("solve s", exponent(seconds))]
     };
-    let growth: Vec<Row> = growth.iter().filter(|growth| growth.dimension == dimension).map(exponents).collect();
+    let growth: Vec<TableRow> = growth.iter().filter(|growth| growth.dimension == dimension).map(exponents).collect();
     let most = solves.iter().filter(|solve| solve.dimension == dimension).map(|solve| solve.bound_taken).fold(0.0, f64::max);
     let verdict = if most <= 1.0 { "never exceeds it" } else { "exceeds it: something is wrong" };
     format!(

@@ -9,7 +9,7 @@ use super::{
     reference::{Finest, Limit, Reference},
     sensitivity::Sensitivity,
     sequence::RefinementSequence,
-    setting::Setting,
+    setting::CostSetting,
     sweep::Sweep,
 };
 use crate::{
@@ -31,7 +31,7 @@ pub struct Analysis<'a> {
 /// The settings of a method.
 struct MethodSettings {
     method: String,
-    settings: Vec<Setting>,
+    settings: Vec<CostSetting>,
 }
 
 impl Analysis<'_> {
@@ -93,7 +93,7 @@ impl Analysis<'_> {
             reference,
             points,
             methods,
-            written: Some(Setting::of_scene(scene)),
+            written: Some(CostSetting::of_scene(scene)),
             sensitivities: Vec::new(),
             notes: Vec::new(),
         }
@@ -169,7 +169,7 @@ impl Analysis<'_> {
     fn steadiness(&self, finest: &Finest) -> Option<String> {
         let (to_come, Sweep { options, scene, metric, .. }) = (finest.still_to_come?, &self.sweep);
         let (end, name) = (scene.end(), metric.quantity.kind.word());
-        let Setting { method, .. } = &finest.setting;
+        let CostSetting { method, .. } = &finest.setting;
         let change = format!("{name} by {method}, {}, is to change by a further {} or so", finest.setting.words(), percent(to_come));
         Some(match to_come <= STEADY * options.error {
             true => format!("The flow is steady at time.end = {end}: {change}"),
@@ -207,7 +207,7 @@ impl Analysis<'_> {
         MethodFinding { order, seconds_exponent: seconds, cheapest: criterion.cheapest(&sequences).or_else(predicted), ..finding }
     }
 
-    fn point(&self, setting: &Setting, reference: Option<&Reference>) -> Option<SettingFinding> {
+    fn point(&self, setting: &CostSetting, reference: Option<&Reference>) -> Option<SettingFinding> {
         let record = self.sweep.experiment.store.find(setting)?;
         let error = |values: &[f64]| reference.map(|reference| self.sweep.metric.error(values, &reference.values));
         Some(SettingFinding::of(

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{
     sequence::RefinementSequence,
-    setting::{Resolution, Setting},
+    setting::{CostSetting, Resolution},
 };
 use crate::study::fit::Power;
 
@@ -18,7 +18,7 @@ const FARTHEST: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cheapest {
     /// The setting; a predicted one stands between or beyond those measured.
-    pub setting: Setting,
+    pub setting: CostSetting,
     /// Its relative error without sign: measured, or the wanted one if it is predicted.
     pub error: f64,
     /// Seconds of the whole scene.
@@ -83,7 +83,7 @@ impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
             Resolution::Spacing(_) => Resolution::Spacing(spacing),
             Resolution::Exactly(_) => Resolution::Exactly(spacing),
         };
-        let setting = Setting { grid, ..sequence.finest().0.clone() };
+        let setting = CostSetting { grid, ..sequence.finest().0.clone() };
         let spacing = grid.spacing(radius);
         let unknowns = Power::fit(&sequence.runs.iter().map(|(_, run)| (run.spacing, run.unknowns)).collect::<Vec<_>>())?.at(spacing);
         Some(Cheapest { setting, error: self.wanted, seconds: seconds.at(spacing), spacing, unknowns, measured: false })
@@ -94,14 +94,20 @@ impl<F: Fn(&[f64]) -> f64> ErrorCriterion<F> {
 mod tests {
     use super::*;
     use crate::{
-        experiment::record::Outcome,
+        experiment::record::RunOutcome,
         study::cost::record::{CostRecord, Measured, tests::run},
     };
 
     fn records(errors: &[(f64, f64)]) -> Vec<CostRecord> {
         let record = |&(cells, error): &(f64, f64)| CostRecord {
-            setting: Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None },
-            outcome: Outcome::Measured(Measured { values: vec![1.0 + error], ..run(1.0 / cells, 0.0) }),
+            setting: CostSetting {
+                method: "sharp".into(),
+                grid: Resolution::CellsPerRadius(cells),
+                modes: None,
+                tolerance: None,
+                step: None,
+            },
+            outcome: RunOutcome::Measured(Measured { values: vec![1.0 + error], ..run(1.0 / cells, 0.0) }),
         };
         errors.iter().map(record).collect()
     }
@@ -112,7 +118,7 @@ mod tests {
         ask: impl Fn(&ErrorCriterion<fn(&[f64]) -> f64>, &[RefinementSequence]) -> T,
     ) -> T {
         let records = records(errors);
-        let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
+        let settings: Vec<CostSetting> = records.iter().map(|record| record.setting.clone()).collect();
         let error: fn(&[f64]) -> f64 = |values| values[0] - 1.0;
         ask(&ErrorCriterion { error, uncertainty, wanted: 1e-2, times: 1.0 }, &RefinementSequence::all(&records, &settings))
     }

@@ -7,7 +7,7 @@ use super::{
     record::{CostRecord, Measured},
     reference::Reference,
     sensitivity::Sensitivity,
-    setting::{Resolution, Setting},
+    setting::{CostSetting, Resolution},
 };
 
 /// All that a study found.
@@ -34,7 +34,7 @@ pub struct Findings {
     /// Method by method.
     pub methods: Vec<MethodFinding>,
     /// The scene as it is written, if it was measured.
-    pub written: Option<Setting>,
+    pub written: Option<CostSetting>,
     /// Settings whose parameters were changed.
     #[serde(rename = "turned")]
     pub sensitivities: Vec<Sensitivity>,
@@ -46,7 +46,7 @@ pub struct Findings {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SettingFinding {
     /// The setting.
-    pub setting: Setting,
+    pub setting: CostSetting,
     /// Cells across the radius of the smallest body, as the grid was.
     pub cells_per_radius: Option<f64>,
     /// The run, without its values.
@@ -114,7 +114,7 @@ impl Findings {
     }
 
     /// The point of a setting.
-    pub fn point(&self, setting: &Setting) -> Option<&SettingFinding> {
+    pub fn point(&self, setting: &CostSetting) -> Option<&SettingFinding> {
         self.points.iter().find(|point| point.setting == *setting)
     }
 

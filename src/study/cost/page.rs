@@ -1,7 +1,7 @@
 //! `cost.html`: chart, table and sentences on one page that needs nothing else.
 
 use super::{chart, findings::Findings, sensitivity::ParameterChange, table, text};
-use crate::{experiment::table::Row, picture::escaped};
+use crate::{experiment::table::TableRow, picture::escaped};
 
 /// Light paper or dark, as the reader has it; the chart stays on light paper.
 const STYLE: &str = "\
@@ -47,7 +47,7 @@ fn table(findings: &Findings) -> String {
 }
 
 /// A table, with the attributes of its rows and of their last cells.
-fn rows(rows: &[Row], class: impl Fn(usize) -> &'static str, last: impl Fn(usize) -> &'static str) -> String {
+fn rows(rows: &[TableRow], class: impl Fn(usize) -> &'static str, last: impl Fn(usize) -> &'static str) -> String {
     let head: String = rows.iter().take(1).flatten().map(|(name, _)| format!("<th>{}</th>", escaped(name))).collect();
     let body = rows.iter().enumerate().map(|(number, row)| {
         let attribute = |place: usize| if place + 1 == row.len() { last(number) } else { "" };
@@ -80,20 +80,25 @@ fn parameters(findings: &Findings) -> String {
 mod tests {
     use super::*;
     use crate::{
-        experiment::record::Outcome,
+        experiment::record::RunOutcome,
         study::cost::{
             findings::SettingFinding,
             quantity::QuantityKind,
             record::{CostRecord, tests::run},
-            setting::{Resolution, Setting},
+            setting::{CostSetting, Resolution},
         },
     };
 
     fn findings() -> Findings {
-        let setting =
-            |cells| Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None };
-        let measured = CostRecord { setting: setting(4.0), outcome: Outcome::Measured(run(0.25, 1.02)) };
-        let failed = CostRecord { setting: setting(8.0), outcome: Outcome::Failed("no <memory>".into()) };
+        let setting = |cells| CostSetting {
+            method: "sharp".into(),
+            grid: Resolution::CellsPerRadius(cells),
+            modes: None,
+            tolerance: None,
+            step: None,
+        };
+        let measured = CostRecord { setting: setting(4.0), outcome: RunOutcome::Measured(run(0.25, 1.02)) };
+        let failed = CostRecord { setting: setting(8.0), outcome: RunOutcome::Failed("no <memory>".into()) };
         Findings {
             title: "a & b".into(),
             quantity: "drag".into(),

@@ -5,13 +5,13 @@ use super::{
     properties::SceneProperties,
     record::Measured,
     sensitivity::{ParameterChange, Sensitivity},
-    setting::{Setting, TimeStep, has_modes},
+    setting::{CostSetting, TimeStep, has_modes},
     step_error::StepError,
     sweep::Sweep,
 };
 use crate::{
     error::Result,
-    experiment::record::Outcome,
+    experiment::record::RunOutcome,
     scene::{Scene, Tolerance},
 };
 
@@ -20,11 +20,11 @@ impl Sweep<'_> {
     ///
     /// # Errors
     /// Runs cannot be started.
-    pub fn sensitivity(&mut self, setting: &Setting, limit: Option<&[f64]>) -> Result<Sensitivity> {
+    pub fn sensitivity(&mut self, setting: &CostSetting, limit: Option<&[f64]>) -> Result<Sensitivity> {
         let Some(base) = self.record(setting)?.measured().cloned() else {
             return Ok(Sensitivity { at: setting.clone(), parameters: Vec::new() });
         };
-        let fixed = Setting { modes: setting.modes.or(base.modes), ..setting.clone() };
+        let fixed = CostSetting { modes: setting.modes.or(base.modes), ..setting.clone() };
         let half = half_the_spacing(setting, &base);
         let mut parameters = vec![self.parameter("grid", "half the spacing".into(), &base, Some(half.clone()))?];
         if let (None, Some(limit)) = (parameters[0].change, limit) {
@@ -39,7 +39,7 @@ impl Sweep<'_> {
         let to = format!("tolerance {:.0e}", tighter.tolerance.unwrap_or(0.0));
         parameters.push(self.parameter("tolerance", to, &base, Some(tighter))?);
         if let Some(step) = setting.step {
-            let shorter = Setting { step: Some(self.shorter(step, &base, &half)), ..setting.clone() };
+            let shorter = CostSetting { step: Some(self.shorter(step, &base, &half)), ..setting.clone() };
             let change = self.parameter("step", "half the step".into(), &base, Some(shorter))?;
             if step.follows_grid(self.scene) {
                 parameters[0] = self.at_equal_steps(&parameters[0], &change, &base);
@@ -50,7 +50,7 @@ impl Sweep<'_> {
     }
 
     /// The error of steps that follow the grid, if a run with shorter ones was made beside that of the setting.
-    pub fn step_error(&self, setting: &Setting, sensitivity: &Sensitivity) -> Option<StepError> {
+    pub fn step_error(&self, setting: &CostSetting, sensitivity: &Sensitivity) -> Option<StepError> {
         let step = setting.step.filter(|step| step.follows_grid(self.scene))?;
         let change = sensitivity.parameters.iter().find(|parameter| parameter.name == "step" && parameter.change.is_some())?;
         let base = self.experiment.store.find(setting)?.measured()?;
@@ -59,7 +59,7 @@ impl Sweep<'_> {
     }
 
     /// Half a step; of one that follows the grid what it is in the mean on the grid of half the spacing, if that is measured, or half of what it is here.
-    fn shorter(&self, step: TimeStep, base: &Measured, half: &Setting) -> TimeStep {
+    fn shorter(&self, step: TimeStep, base: &Measured, half: &CostSetting) -> TimeStep {
         let end = self.scene.end();
         match self.experiment.store.find(half).and_then(|record| record.measured()) {
             _ if !step.follows_grid(self.scene) => step.times(0.5),
@@ -79,15 +79,15 @@ impl Sweep<'_> {
         ParameterChange { change: Some(self.size(&changes, base)), changes, remark: Some(remark.into()), ..grid.clone() }
     }
 
-    fn parameter(&mut self, name: &'static str, to: String, base: &Measured, changed: Option<Setting>) -> Result<ParameterChange> {
+    fn parameter(&mut self, name: &'static str, to: String, base: &Measured, changed: Option<CostSetting>) -> Result<ParameterChange> {
         let none = |remark: String| ParameterChange { name, to: to.clone(), remark: Some(remark), ..ParameterChange::default() };
         let Some(changed) = changed else { return Ok(none("no more of them suit this grid".into())) };
         if !self.affordable(&changed) {
             return Ok(none("takes longer than the sweep, or than --budget".into()));
         }
         Ok(match self.record(&changed)?.outcome.clone() {
-            Outcome::Failed(reason) => none(reason),
-            Outcome::Measured(measured) => {
+            RunOutcome::Failed(reason) => none(reason),
+            RunOutcome::Measured(measured) => {
                 let near = self.metric.near(&measured.values, &base.values);
                 ParameterChange { seconds: Some(measured.seconds()), ..self.changed(name, to, base, &near) }
             }
@@ -118,23 +118,23 @@ impl Sweep<'_> {
     }
 
     /// Half as many modes again, or as many more as the grid carries.
-    fn raised(&self, setting: &Setting, modes: usize) -> Option<Setting> {
+    fn raised(&self, setting: &CostSetting, modes: usize) -> Option<CostSetting> {
         let wanted = (modes + modes.div_ceil(2)).max(modes + 2);
         (modes + 1..=wanted)
             .rev()
-            .map(|modes| Setting { modes: Some(modes), ..setting.clone() })
+            .map(|modes| CostSetting { modes: Some(modes), ..setting.clone() })
             .find(|raised| self.scene_with(&raised.overrides()).is_ok_and(|scene| SceneProperties::of(&scene).is_ok()))
     }
 }
 
 /// A setting on the grid of half the spacing, with as many modes as it had in a run.
-fn half_the_spacing(setting: &Setting, run: &Measured) -> Setting {
-    Setting { grid: setting.grid.finer(2.0), modes: setting.modes.or(run.modes), ..setting.clone() }
+fn half_the_spacing(setting: &CostSetting, run: &Measured) -> CostSetting {
+    CostSetting { grid: setting.grid.finer(2.0), modes: setting.modes.or(run.modes), ..setting.clone() }
 }
 
 /// A tenth of the tolerance; what is automatic in time becomes the tightest that it ever is.
-fn tighter(setting: &Setting, scene: &Scene) -> Setting {
+fn tighter(setting: &CostSetting, scene: &Scene) -> CostSetting {
     let now = setting.tolerance_in(scene);
     let automatic_in_time = setting.tolerance.is_none() && scene.time.is_some() && scene.method.tolerance == Tolerance::Auto;
-    Setting { tolerance: Some(if automatic_in_time { now } else { 0.1 * now }), ..setting.clone() }
+    CostSetting { tolerance: Some(if automatic_in_time { now } else { 0.1 * now }), ..setting.clone() }
 }

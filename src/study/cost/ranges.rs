@@ -2,7 +2,7 @@
 
 use super::{
     options::CostStudy,
-    setting::{Resolution, Setting, TimeStep, has_modes},
+    setting::{CostSetting, Resolution, TimeStep, has_modes},
 };
 use crate::{
     error::{Error, Result},
@@ -46,17 +46,17 @@ impl ParameterRanges {
     }
 
     /// All settings of a method and, if it is its own, that of the scene as written, by rising work.
-    pub fn settings(&self, method: &str, scene: &Scene, radius: f64) -> Vec<Setting> {
+    pub fn settings(&self, method: &str, scene: &Scene, radius: f64) -> Vec<CostSetting> {
         let modes = if has_modes(method) { self.modes.as_slice() } else { &[None] };
         let mut settings = Vec::new();
         for &grid in &self.grids {
             for &modes in modes {
                 for &tolerance in &self.tolerances {
-                    settings.extend(self.steps.iter().map(|&step| Setting { method: method.to_owned(), grid, modes, tolerance, step }));
+                    settings.extend(self.steps.iter().map(|&step| CostSetting { method: method.to_owned(), grid, modes, tolerance, step }));
                 }
             }
         }
-        let written = Setting::of_scene(scene);
+        let written = CostSetting::of_scene(scene);
         if written.method == method && !settings.contains(&written) {
             settings.push(written);
         }

@@ -7,16 +7,16 @@ use serde::{Deserialize, Deserializer, Serialize};
 use super::{
     format::seconds,
     metric::Metric,
-    setting::{Setting, TimeStep},
+    setting::{CostSetting, TimeStep},
     steadiness::still_to_come,
 };
 use crate::{
     error::Result,
-    experiment::{self, record::Outcome, summary::RunSummary},
+    experiment::{self, record::RunOutcome, summary::RunSummary},
 };
 
 /// A setting and what came of it.
-pub type CostRecord = experiment::record::Record<Setting, Measured>;
+pub type CostRecord = experiment::record::Record<CostSetting, Measured>;
 
 /// A run to its end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,12 +56,12 @@ pub struct Measured {
 fn inverse_alone<'de, S: Deserializer<'de>>(source: S) -> std::result::Result<Option<String>, S::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
-    enum Inverse {
+    enum WrittenInverse {
         Name(String),
         WithSeconds((String, f64)),
     }
     Ok(Option::deserialize(source)?.map(|written| match written {
-        Inverse::Name(name) | Inverse::WithSeconds((name, _)) => name,
+        WrittenInverse::Name(name) | WrittenInverse::WithSeconds((name, _)) => name,
     }))
 }
 
@@ -69,8 +69,8 @@ fn inverse_alone<'de, S: Deserializer<'de>>(source: S) -> std::result::Result<Op
 impl fmt::Display for CostRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match &self.outcome {
-            Outcome::Failed(reason) => reason.clone(),
-            Outcome::Measured(run) => {
+            RunOutcome::Failed(reason) => reason.clone(),
+            RunOutcome::Measured(run) => {
                 let value = run.value().map_or(String::new(), |value| format!("{value:.6} in "));
                 format!("{value}{} s, {:.0} iterations", seconds(run.seconds()), run.iterations)
             }
@@ -84,7 +84,7 @@ impl Measured {
     ///
     /// # Errors
     /// The summary cannot be read or does not tell the quantity.
-    pub fn read(path: &Path, setting: &Setting, metric: &Metric) -> Result<Measured> {
+    pub fn read(path: &Path, setting: &CostSetting, metric: &Metric) -> Result<Measured> {
         let summary = RunSummary::read(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let values = metric.read(&summary, folder)?;
@@ -127,7 +127,7 @@ impl Measured {
 }
 
 /// The spacing from the number of cells, because boxes hold whole ones; of a mesh that fits the bodies the one asked for.
-fn spacing(summary: &RunSummary, setting: &Setting, metric: &Metric) -> f64 {
+fn spacing(summary: &RunSummary, setting: &CostSetting, metric: &Metric) -> f64 {
     let cells = summary.number("/parallel/cells/mean") * summary.get("/ranks").unwrap_or(1.0);
     match setting.method == "fitted" || cells <= 0.0 {
         true => setting.grid.spacing(metric.properties.unit()),
@@ -144,7 +144,7 @@ pub mod tests {
     use crate::{
         experiment::{
             arguments::Start,
-            store::{Identity, Store},
+            store::{Store, StudyIdentity},
         },
         scene::Scene,
         study::cost::setting::Resolution,
@@ -169,8 +169,8 @@ pub mod tests {
         }
     }
 
-    fn setting(cells: f64) -> Setting {
-        Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None }
+    fn setting(cells: f64) -> CostSetting {
+        CostSetting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step: None }
     }
 
     #[test]
@@ -181,7 +181,7 @@ pub mod tests {
             let text = format!("title = {title:?}\ndomain.size = [1, 1]\nresolution.spacing = 0.1\n");
             let scene = Scene::parse("scene", Path::new(""), &text, &[]).unwrap();
             let start = Start { launcher: "srun -n {ranks}", petsc: &[], ranks: 1 };
-            Store::<CostRecord>::open(&folder, "cost.json", Identity::of_scene(&scene, "quantity", "drag", &start).unwrap(), fresh)
+            Store::<CostRecord>::open(&folder, "cost.json", StudyIdentity::of_scene(&scene, "quantity", "drag", &start).unwrap(), fresh)
         };
         let mut store = open("one", false).unwrap();
         let measured: Measured = serde_json::from_str(
@@ -189,8 +189,8 @@ pub mod tests {
                 "steps": 0, "memory_bytes": 5, "faster": ["transform", 0.5], "wall_seconds": 4}"#,
         )
         .unwrap();
-        store.add(CostRecord { setting: setting(4.0), outcome: Outcome::Measured(measured.clone()) }).unwrap();
-        store.add(CostRecord { setting: setting(5.0), outcome: Outcome::Failed("no".into()) }).unwrap();
+        store.add(CostRecord { setting: setting(4.0), outcome: RunOutcome::Measured(measured.clone()) }).unwrap();
+        store.add(CostRecord { setting: setting(5.0), outcome: RunOutcome::Failed("no".into()) }).unwrap();
         let again = open("one", false).unwrap();
         assert_eq!(again.records().len(), 1);
         assert_eq!(again.find(&setting(4.0)).unwrap().measured(), Some(&measured));

@@ -8,7 +8,7 @@ use super::{
     options::CostStudy,
     record::Measured,
     sensitivity::Sensitivity,
-    setting::Setting,
+    setting::CostSetting,
 };
 use crate::run::unresolved;
 
@@ -30,7 +30,7 @@ pub struct Reference {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finest {
     /// The setting.
-    pub setting: Setting,
+    pub setting: CostSetting,
     /// Tolerance of its solves.
     pub tolerance: f64,
     /// Whether its limit is one of vanishing steps too.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::setting::Setting;
+use super::setting::CostSetting;
 
 /// A parameter that was changed.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -31,7 +31,7 @@ pub struct ParameterChange {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The setting.
-    pub at: Setting,
+    pub at: CostSetting,
     /// Its parameters.
     #[serde(rename = "knobs")]
     pub parameters: Vec<ParameterChange>,

@@ -2,7 +2,7 @@
 
 use super::{
     record::{CostRecord, Measured},
-    setting::Setting,
+    setting::CostSetting,
 };
 
 /// Grids that a sequence needs for its limit to be trusted.
@@ -12,12 +12,12 @@ const ENOUGH: usize = 3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinementSequence<'a> {
     /// Settings and runs.
-    pub runs: Vec<(&'a Setting, &'a Measured)>,
+    pub runs: Vec<(&'a CostSetting, &'a Measured)>,
 }
 
 impl<'a> RefinementSequence<'a> {
     /// The sequences of the settings of a method.
-    pub fn all(records: &'a [CostRecord], settings: &[Setting]) -> Vec<RefinementSequence<'a>> {
+    pub fn all(records: &'a [CostRecord], settings: &[CostSetting]) -> Vec<RefinementSequence<'a>> {
         let records = settings.iter().filter_map(|setting| records.iter().find(|record| record.setting == *setting));
         let runs = records.filter_map(|record| Some((&record.setting, record.measured()?)));
         let groups = by_grid(runs, |(setting, _)| setting);
@@ -47,7 +47,7 @@ impl<'a> RefinementSequence<'a> {
     }
 
     /// The run on the finest grid.
-    pub fn finest(&self) -> (&'a Setting, &'a Measured) {
+    pub fn finest(&self) -> (&'a CostSetting, &'a Measured) {
         self.runs[self.runs.len() - 1]
     }
 
@@ -58,7 +58,7 @@ impl<'a> RefinementSequence<'a> {
 }
 
 /// Items sorted into groups whose settings differ in the grid alone.
-pub fn by_grid<T>(items: impl IntoIterator<Item = T>, setting: impl Fn(&T) -> &Setting) -> Vec<Vec<T>> {
+pub fn by_grid<T>(items: impl IntoIterator<Item = T>, setting: impl Fn(&T) -> &CostSetting) -> Vec<Vec<T>> {
     let mut groups: Vec<Vec<T>> = Vec::new();
     for item in items {
         match groups.iter_mut().find(|group| setting(&group[0]).differs_in_grid_alone(setting(&item))) {
@@ -73,7 +73,7 @@ pub fn by_grid<T>(items: impl IntoIterator<Item = T>, setting: impl Fn(&T) -> &S
 mod tests {
     use super::*;
     use crate::{
-        experiment::record::Outcome,
+        experiment::record::RunOutcome,
         study::cost::{
             record::tests::run,
             setting::{Resolution, TimeStep},
@@ -82,15 +82,15 @@ mod tests {
 
     fn record(cells: f64, step: f64) -> CostRecord {
         let step = Some(TimeStep::Step(step));
-        let setting = Setting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step };
-        CostRecord { setting, outcome: Outcome::Measured(run(1.0 / cells, cells)) }
+        let setting = CostSetting { method: "sharp".into(), grid: Resolution::CellsPerRadius(cells), modes: None, tolerance: None, step };
+        CostRecord { setting, outcome: RunOutcome::Measured(run(1.0 / cells, cells)) }
     }
 
     #[test]
     fn the_main_sequence_has_enough_grids_and_then_the_shortest_steps() {
         let places = [(4.0, 0.2), (4.0, 0.1), (4.0, 0.05), (6.0, 0.2), (6.0, 0.1), (6.0, 0.05), (8.0, 0.2), (8.0, 0.1)];
         let mut records: Vec<CostRecord> = places.map(|(cells, step)| record(cells, step)).to_vec();
-        let settings: Vec<Setting> = records.iter().map(|record| record.setting.clone()).collect();
+        let settings: Vec<CostSetting> = records.iter().map(|record| record.setting.clone()).collect();
         records.push(record(16.0, 0.05));
         let sequences = RefinementSequence::all(&records, &settings);
         assert_eq!(

@@ -9,7 +9,7 @@ const WITH_MODES: [&str; 2] = ["sharp", "mean-value"];
 
 /// A setting; what is absent is left as the scene has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Setting {
+pub struct CostSetting {
     /// Word of the constraint method.
     pub method: String,
     /// The grid.
@@ -49,19 +49,25 @@ pub fn has_modes(method: &str) -> bool {
     WITH_MODES.contains(&method)
 }
 
-impl Setting {
+impl CostSetting {
     /// The scene as it is written.
     ///
     /// # Panics
     /// The scene is dry.
-    pub fn of_scene(scene: &Scene) -> Setting {
+    pub fn of_scene(scene: &Scene) -> CostSetting {
         let resolution = scene.resolution.as_ref().expect("only dry scenes have no resolution");
         let method = scene.method.constraint.word();
         let modes = match resolution.modes {
             Modes::Count(modes) if has_modes(method) => Some(modes),
             _ => None,
         };
-        Setting { method: method.to_owned(), grid: Resolution::of(resolution.spacing), modes, tolerance: None, step: TimeStep::of(scene) }
+        CostSetting {
+            method: method.to_owned(),
+            grid: Resolution::of(resolution.spacing),
+            modes,
+            tolerance: None,
+            step: TimeStep::of(scene),
+        }
     }
 
     /// What makes a scene so, as `key=value`.
@@ -111,8 +117,8 @@ impl Setting {
     }
 
     /// Whether it differs from another in the grid alone.
-    pub fn differs_in_grid_alone(&self, other: &Setting) -> bool {
-        Setting { grid: other.grid, ..self.clone() } == *other
+    pub fn differs_in_grid_alone(&self, other: &CostSetting) -> bool {
+        CostSetting { grid: other.grid, ..self.clone() } == *other
     }
 }
 
@@ -186,12 +192,17 @@ mod tests {
     #[test]
     fn a_setting_makes_a_scene_as_it_says() {
         let scene = Scene::parse("scene", Path::new(""), SCENE, &[]).unwrap();
-        let written = Setting::of_scene(&scene);
+        let written = CostSetting::of_scene(&scene);
         assert_eq!((written.grid, written.modes, written.step), (Resolution::Spacing(0.1), Some(9), Some(TimeStep::Step(0.5))));
-        let other =
-            Setting { grid: Resolution::Spacing(0.05), modes: None, tolerance: Some(1e-9), step: Some(TimeStep::Travel(0.2)), ..written };
+        let other = CostSetting {
+            grid: Resolution::Spacing(0.05),
+            modes: None,
+            tolerance: Some(1e-9),
+            step: Some(TimeStep::Travel(0.2)),
+            ..written
+        };
         let made = Scene::parse("scene", Path::new(""), SCENE, &other.overrides()).unwrap();
-        assert_eq!(Setting { tolerance: Some(1e-9), ..Setting::of_scene(&made) }, other);
+        assert_eq!(CostSetting { tolerance: Some(1e-9), ..CostSetting::of_scene(&made) }, other);
         assert_eq!(other.tolerance_in(&made), 1e-9);
         assert_eq!(other.words(), "spacing 0.05000, modes auto, tolerance 1e-9, travel 0.2");
     }
@@ -200,22 +211,22 @@ mod tests {
     #[test]
     fn settings_are_kept_by_the_words_of_the_command_line() {
         let kept = r#"{"method":"sharp","grid":{"cells_per_radius":8.0},"modes":null,"tolerance":null,"step":{"travel":0.2}}"#;
-        let setting: Setting = serde_json::from_str(kept).unwrap();
+        let setting: CostSetting = serde_json::from_str(kept).unwrap();
         assert_eq!((setting.grid, setting.step), (Resolution::CellsPerRadius(8.0), Some(TimeStep::Travel(0.2))));
         assert_eq!(serde_json::to_string(&setting).unwrap(), kept);
     }
 
     #[test]
     fn work_counts_cells_and_steps() {
-        let coarse = Setting {
+        let coarse = CostSetting {
             method: "sharp".into(),
             grid: Resolution::CellsPerRadius(4.0),
             modes: None,
             tolerance: None,
             step: Some(TimeStep::Step(0.1)),
         };
-        let fine = Setting { grid: coarse.grid.finer(2.0), step: coarse.step.map(|step| step.times(0.5)), ..coarse.clone() };
+        let fine = CostSetting { grid: coarse.grid.finer(2.0), step: coarse.step.map(|step| step.times(0.5)), ..coarse.clone() };
         assert!((fine.work(3, 1.0) / coarse.work(3, 1.0) - 16.0).abs() < 1e-12);
-        assert!(!fine.differs_in_grid_alone(&coarse) && Setting { step: coarse.step, ..fine }.differs_in_grid_alone(&coarse));
+        assert!(!fine.differs_in_grid_alone(&coarse) && CostSetting { step: coarse.step, ..fine }.differs_in_grid_alone(&coarse));
     }
 }

@@ -7,14 +7,14 @@ use super::{
     options::CostStudy,
     properties::SceneProperties,
     record::{CostRecord, Measured},
-    setting::{Setting, TimeStep, has_modes},
+    setting::{CostSetting, TimeStep, has_modes},
 };
 use crate::{
     error::Result,
     experiment::{
         Experiment,
         launcher::{Job, WITHOUT_PICTURE},
-        record::Outcome,
+        record::RunOutcome,
     },
     output::say,
     scene::Scene,
@@ -38,7 +38,7 @@ pub struct Sweep<'a> {
     /// What runs them, and what was measured.
     pub experiment: Experiment<CostRecord>,
     /// Settings of the sequences so far. What is affordable follows from these alone, so that a study that goes on decides as it did.
-    pub measured: Vec<Setting>,
+    pub measured: Vec<CostSetting>,
 }
 
 impl Sweep<'_> {
@@ -46,7 +46,7 @@ impl Sweep<'_> {
     ///
     /// # Errors
     /// Runs cannot be started, or results cannot be written.
-    pub fn measure(&mut self, settings: &[Setting]) -> Result<Option<String>> {
+    pub fn measure(&mut self, settings: &[CostSetting]) -> Result<Option<String>> {
         let (mut spent, budget) = (0.0, self.options.seconds());
         for (place, setting) in settings.iter().enumerate() {
             let predicted = self.predicted(setting).unwrap_or(0.0);
@@ -69,7 +69,7 @@ impl Sweep<'_> {
     ///
     /// # Errors
     /// The run cannot be started, or its result cannot be written.
-    pub fn record(&mut self, setting: &Setting) -> Result<&CostRecord> {
+    pub fn record(&mut self, setting: &CostSetting) -> Result<&CostRecord> {
         if self.experiment.store.find(setting).is_none() {
             let outcome = self.run(setting)?;
             let record = CostRecord { setting: setting.clone(), outcome };
@@ -81,10 +81,10 @@ impl Sweep<'_> {
     }
 
     /// Seconds by the clock that a run would take, from the heaviest run of its method; nothing if there was none.
-    pub fn predicted(&self, setting: &Setting) -> Option<f64> {
+    pub fn predicted(&self, setting: &CostSetting) -> Option<f64> {
         let properties = &self.metric.properties;
-        let work = |setting: &Setting| setting.work(properties.dimension, properties.unit());
-        let own: Vec<(Setting, &Measured)> = self
+        let work = |setting: &CostSetting| setting.work(properties.dimension, properties.unit());
+        let own: Vec<(CostSetting, &Measured)> = self
             .runs()
             .filter(|(other, _)| other.method == setting.method)
             .map(|(other, run)| (self.comparable(other, run, setting), run))
@@ -99,17 +99,17 @@ impl Sweep<'_> {
     }
 
     /// The setting of a run with steps that compare with those of another: with the mean of those that followed the grid, where the other's have a length.
-    fn comparable(&self, setting: &Setting, run: &Measured, other: &Setting) -> Setting {
+    fn comparable(&self, setting: &CostSetting, run: &Measured, other: &CostSetting) -> CostSetting {
         let step = match (setting.step, other.step) {
             (Some(step), Some(TimeStep::Step(_))) if step.follows_grid(self.scene) => Some(run.mean_step(self.scene.end())),
             (step, _) => step,
         };
-        Setting { step, ..setting.clone() }
+        CostSetting { step, ..setting.clone() }
     }
 
     /// Whether a run beside the sequences costs neither more than the budget nor more than the sequences did and a few seconds, or twice that for a step of its own
     /// where those of the sequences followed the grid: only such a run tells the errors of grid and steps apart.
-    pub fn affordable(&self, setting: &Setting) -> bool {
+    pub fn affordable(&self, setting: &CostSetting) -> bool {
         let own_step =
             matches!(setting.step, Some(TimeStep::Step(_))) && TimeStep::of(self.scene).is_some_and(|step| step.follows_grid(self.scene));
         let spent = self.runs().map(|(_, run)| run.wall_seconds).sum::<f64>().max(NEGLIGIBLE);
@@ -118,7 +118,7 @@ impl Sweep<'_> {
     }
 
     /// The runs of the sequences so far.
-    fn runs(&self) -> impl Iterator<Item = (&Setting, &Measured)> {
+    fn runs(&self) -> impl Iterator<Item = (&CostSetting, &Measured)> {
         self.measured.iter().filter_map(|setting| Some((setting, self.experiment.store.find(setting)?.measured()?)))
     }
 
@@ -130,11 +130,11 @@ impl Sweep<'_> {
         Scene::read(&self.options.scene.scene, &[&self.options.scene.overrides[..], setting].concat())
     }
 
-    fn run(&self, setting: &Setting) -> Result<Outcome<Measured>> {
+    fn run(&self, setting: &CostSetting) -> Result<RunOutcome<Measured>> {
         let order = |scene: Scene| if has_modes(&setting.method) { Ok(SceneProperties::of(&scene)?.modes) } else { Ok(None) };
         let modes = match self.scene_with(&setting.overrides()).and_then(order) {
             Ok(modes) => modes,
-            Err(refusal) => return Ok(Outcome::Failed(refusal.to_string())),
+            Err(refusal) => return Ok(RunOutcome::Failed(refusal.to_string())),
         };
         let (overrides, folder) = (self.overrides(setting), self.out());
         let CostStudy { scene, ranks, start, .. } = self.options;
@@ -142,7 +142,9 @@ impl Sweep<'_> {
         let begin = Instant::now();
         let outcome = self.experiment.launcher.outcome(&job, |path| Measured::read(path, setting, &self.metric), Measured::seconds)?;
         Ok(match outcome {
-            Outcome::Measured(measured) => Outcome::Measured(Measured { modes, wall_seconds: begin.elapsed().as_secs_f64(), ..measured }),
+            RunOutcome::Measured(measured) => {
+                RunOutcome::Measured(Measured { modes, wall_seconds: begin.elapsed().as_secs_f64(), ..measured })
+            }
             failed => failed,
         })
     }
@@ -154,7 +156,7 @@ impl Sweep<'_> {
         out
     }
 
-    fn overrides(&self, setting: &Setting) -> Vec<String> {
+    fn overrides(&self, setting: &CostSetting) -> Vec<String> {
         let mut overrides = self.options.scene.overrides.clone();
         overrides.extend(setting.overrides());
         if !self.scene.scalar() {

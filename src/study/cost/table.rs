@@ -5,10 +5,10 @@ use super::{
     format::{percent, seconds, signed, thousands, two_digits},
     record::Measured,
 };
-use crate::experiment::table::{Row, number, quoted};
+use crate::experiment::table::{TableRow, number, quoted};
 
 /// The table of all settings for people.
-pub fn settings(findings: &Findings) -> Vec<Row<'_>> {
+pub fn settings(findings: &Findings) -> Vec<TableRow<'_>> {
     let in_time = findings.points.iter().any(|point| point.setting.step.is_some());
     let swept = findings.points.iter().any(|point| point.setting.tolerance.is_some());
     let row = |point| {
@@ -19,7 +19,7 @@ pub fn settings(findings: &Findings) -> Vec<Row<'_>> {
     findings.points.iter().map(row).collect()
 }
 
-fn cells<'a>(point: &SettingFinding, findings: &Findings) -> Row<'a> {
+fn cells<'a>(point: &SettingFinding, findings: &Findings) -> TableRow<'a> {
     let none = || "-".to_owned();
     let of = |read: fn(&Measured) -> String| point.measured.as_ref().map_or_else(none, read);
     let setting = &point.setting;
@@ -41,7 +41,7 @@ fn cells<'a>(point: &SettingFinding, findings: &Findings) -> Row<'a> {
 }
 
 /// The same for `cost.csv`.
-pub fn numbers(findings: &Findings) -> Vec<Row<'static>> {
+pub fn numbers(findings: &Findings) -> Vec<TableRow<'static>> {
     let row = |point: &SettingFinding| {
         let of = |read: fn(&Measured) -> f64| number(point.measured.as_ref().map(read));
         vec![
@@ -69,7 +69,7 @@ pub fn numbers(findings: &Findings) -> Vec<Row<'static>> {
 }
 
 /// What each method takes for the wanted error, which is the first head.
-pub fn at_wanted<'a>(findings: &Findings, wanted: &'a str) -> Vec<Row<'a>> {
+pub fn at_wanted<'a>(findings: &Findings, wanted: &'a str) -> Vec<TableRow<'a>> {
     let best = findings.cheapest().map(|cheapest| cheapest.seconds);
     let found = findings.methods.iter().filter_map(|method| Some((&method.method, method.cheapest.as_ref()?)));
     let row = found.map(|(method, found)| {

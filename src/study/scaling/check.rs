@@ -6,7 +6,7 @@ use super::{
     kind::ScalingKind,
     model::{Network, Sample, ScalingModel, Work},
 };
-use crate::experiment::table::{Row, markdown};
+use crate::experiment::table::{TableRow, markdown};
 
 /// A measured run, and what the model says of it that was fitted to all others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -47,7 +47,7 @@ pub fn checks(runs: &[(ScalingKind, &Sample)], cores: usize, network: Network) -
 
 /// The checks as a table.
 pub fn table(checks: &[Check]) -> String {
-    let cells = |check: &Check| -> Row<'static> {
+    let cells = |check: &Check| -> TableRow<'static> {
         let mark = if check.beyond_cores { "*" } else { "" };
         vec![
             ("left out", format!("{}, {}{mark}", check.kind.name(), check.ranks)),

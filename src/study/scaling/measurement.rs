@@ -22,7 +22,7 @@ pub struct Measurement {
     /// Iterations of all solves; none in a dry run.
     pub iterations: usize,
     /// Contacts that were solved for in all steps.
-    pub pressed: f64,
+    pub active_contacts: f64,
     /// Contacts of the largest island that one rank solved, in all steps.
     pub island: f64,
     /// Shares of the ranks, and what they sent.
@@ -56,7 +56,7 @@ impl Measurement {
             rest,
             steps: summary.get::<usize>("/steps").map_or(1, |steps| steps.max(1)),
             iterations: number("iterations") as usize,
-            pressed: number("contacts"),
+            active_contacts: number("contacts"),
             island: number("island_contacts"),
             parallel: summary.get("/parallel").unwrap_or_default(),
         })

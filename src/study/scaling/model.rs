@@ -108,8 +108,8 @@ struct Sent {
 impl Work {
     /// That of a run that was measured.
     pub fn of(measured: &Measurement) -> Work {
-        let Measurement { steps, pressed, island, .. } = *measured;
-        Work { exchanges: measured.exchanges(), steps: steps as f64, contacts: pressed, island }
+        let Measurement { steps, active_contacts, island, .. } = *measured;
+        Work { exchanges: measured.exchanges(), steps: steps as f64, contacts: active_contacts, island }
     }
 
     /// That of a run like a measured one, with other bodies.
@@ -122,7 +122,7 @@ impl Work {
     }
 
     /// Contacts that the busiest rank solves for.
-    fn pressed(&self, shares: &RankShares) -> f64 {
+    fn busiest_contacts(&self, shares: &RankShares) -> f64 {
         let part = if shares.bodies.mean > 0.0 { shares.bodies.most / shares.all_bodies() } else { 1.0 };
         (self.contacts * part).max(self.island)
     }
@@ -142,7 +142,7 @@ fn gathered(sample: &Sample) -> ([f64; 2], f64) {
 fn contacts(sample: &Sample) -> ([f64; 2], f64) {
     let Sample { shares, measured } = sample;
     let work = Work::of(measured);
-    ([work.steps * shares.looked_at(), work.pressed(shares)], measured.contacts)
+    ([work.steps * shares.looked_at(), work.busiest_contacts(shares)], measured.contacts)
 }
 
 impl ScalingModel {
@@ -188,7 +188,7 @@ impl ScalingModel {
     pub fn predict(&self, shares: &RankShares, work: &Work, turns: f64) -> Prediction {
         let (cells, bodies) = (shares.cells.most, shares.bodies.most);
         let Work { exchanges, steps, .. } = *work;
-        let contacts = self.contact[0] * steps * shares.looked_at() + self.contact[1] * work.pressed(shares);
+        let contacts = self.contact[0] * steps * shares.looked_at() + self.contact[1] * work.busiest_contacts(shares);
         let computing = self.setup * cells + exchanges * (self.cell * cells + self.body * bodies) + contacts;
         let seconds = turns * computing + self.rest + self.network_seconds(shares, exchanges);
         let Sent { messages, bytes, collectives, .. } = self.sent(shares, exchanges);
@@ -286,11 +286,11 @@ mod tests {
             setup: LAW.setup * shares.cells.most,
             grid: exchanges * LAW.cell * shares.cells.most + LAW.network_seconds(&shares, exchanges),
             bodies: exchanges * LAW.body * shares.bodies.most,
-            contacts: LAW.contact[0] * steps * shares.looked_at() + LAW.contact[1] * work(iterations).pressed(&shares),
+            contacts: LAW.contact[0] * steps * shares.looked_at() + LAW.contact[1] * work(iterations).busiest_contacts(&shares),
             rest: LAW.rest,
             steps: steps as usize,
             iterations,
-            pressed: contacts,
+            active_contacts: contacts,
             island,
             parallel: ParallelSummary { bodies, cells, messages, bytes, collectives, gathered, memory_bytes },
         };
@@ -342,7 +342,7 @@ mod tests {
     fn islands_that_percolate_grow_with_the_bodies_and_others_do_not() {
         let mut sample = sample_of(shares(2), 50);
         assert_eq!(Work::like(&sample, &grown(64, 32.0)), Work { contacts: 32.0 * 4000.0, ..work(50) });
-        assert_eq!(work(50).pressed(&grown(64, 32.0)), 1200.0);
+        assert_eq!(work(50).busiest_contacts(&grown(64, 32.0)), 1200.0);
         sample.measured.island = 3000.0;
         assert_eq!(Work::like(&sample, &grown(64, 32.0)).island, 32.0 * 3000.0);
     }

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     error::Error,
-    experiment::table::{Row, markdown, number, quoted},
+    experiment::table::{TableRow, markdown, number, quoted},
     output::{ParallelSummary, Spread},
     picture::Series,
 };
@@ -89,7 +89,7 @@ impl RunRow {
         self.numbers.is_none()
     }
 
-    fn cells(&self, source: &str) -> Row<'static> {
+    fn cells(&self, source: &str) -> TableRow<'static> {
         let remark = self.remark.iter().flat_map(|remark| remark.split([':', ';']).next()).collect::<String>();
         let of = |cell: &dyn Fn(&Numbers) -> String| self.numbers.as_ref().map_or("-".into(), cell);
         vec![
@@ -108,7 +108,7 @@ impl RunRow {
     }
 
     /// Its cells in `scaling.csv`.
-    pub fn csv(&self, kind: &str, source: &str) -> Row<'static> {
+    pub fn csv(&self, kind: &str, source: &str) -> TableRow<'static> {
         let of = |cell: fn(&Numbers) -> Option<f64>| number(self.numbers.as_ref().and_then(cell));
         vec![
             ("kind", kind.to_owned()),

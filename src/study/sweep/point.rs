@@ -145,14 +145,15 @@ mod tests {
 
     use super::*;
     use crate::{
-        experiment::record::Outcome,
+        experiment::record::RunOutcome,
         study::sweep::{reading::TimeMean, record::SweepSetting},
     };
 
     fn record(seed: u64, reading: Option<Reading>) -> SweepRecord {
         let setting = SweepSetting { point: vec![("a".into(), "1".into())], seed: Some(seed) };
-        let measured = |reading| Outcome::Measured(Measured { readings: vec![Some(reading)], fraction: 0.3, seconds: 2.0, folder: None });
-        SweepRecord { setting, outcome: reading.map_or(Outcome::Failed("no room".into()), measured) }
+        let measured =
+            |reading| RunOutcome::Measured(Measured { readings: vec![Some(reading)], fraction: 0.3, seconds: 2.0, folder: None });
+        SweepRecord { setting, outcome: reading.map_or(RunOutcome::Failed("no room".into()), measured) }
     }
 
     fn point(records: &[SweepRecord]) -> SweepPoint {

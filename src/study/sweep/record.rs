@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{reading::Reading, vary::Assignment};
 use crate::{
-    experiment::{self, record::Outcome},
+    experiment::{self, record::RunOutcome},
     output::checksum_of,
 };
 
@@ -65,7 +65,7 @@ impl fmt::Display for SweepSetting {
 impl fmt::Display for SweepRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.outcome {
-            Outcome::Measured(Measured { readings, seconds, .. }) => {
+            RunOutcome::Measured(Measured { readings, seconds, .. }) => {
                 let values = readings
                     .iter()
                     .map(|reading| reading.map_or("-".into(), |reading| format!("{:.6}", reading.value)))
@@ -73,7 +73,7 @@ impl fmt::Display for SweepRecord {
                     .join(", ");
                 write!(f, "{}: {values} in {seconds:.1} s", self.setting)
             }
-            Outcome::Failed(reason) => write!(f, "{}: {reason}", self.setting),
+            RunOutcome::Failed(reason) => write!(f, "{}: {reason}", self.setting),
         }
     }
 }

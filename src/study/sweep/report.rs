@@ -11,7 +11,7 @@ use super::{
 use crate::{
     experiment::{
         store::Store,
-        table::{Row, csv, markdown, quoted},
+        table::{TableRow, csv, markdown, quoted},
     },
     picture::{Bar, Chart, Mark, Notes, Scale, Series},
 };
@@ -63,8 +63,8 @@ impl SweepReport {
     }
 
     /// A point for people.
-    fn shown<'a>(&'a self, point: &'a SweepPoint) -> Row<'a> {
-        let mut row: Row = point.point.iter().map(|(key, value)| (key.as_str(), value.clone())).collect();
+    fn shown<'a>(&'a self, point: &'a SweepPoint) -> TableRow<'a> {
+        let mut row: TableRow = point.point.iter().map(|(key, value)| (key.as_str(), value.clone())).collect();
         row.push(("fraction placed", point.fraction.map_or("-".into(), |fraction| format!("{fraction:.4}"))));
         for estimate in &point.quantities {
             let interval = estimate.interval.map_or("-".into(), |[low, high]| format!("{low:.6} to {high:.6}"));
@@ -151,7 +151,7 @@ fn numbers(point: &SweepPoint) -> Vec<(String, String)> {
     row
 }
 
-fn row_of(cells: &[(String, String)]) -> Row<'_> {
+fn row_of(cells: &[(String, String)]) -> TableRow<'_> {
     cells.iter().map(|(head, cell)| (head.as_str(), cell.clone())).collect()
 }
 

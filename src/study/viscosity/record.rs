@@ -102,7 +102,7 @@ impl fmt::Display for ViscosityRecord {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::experiment::store::{Identity, Store};
+    use crate::experiment::store::{Store, StudyIdentity};
 
     #[test]
     fn a_study_goes_on_with_what_it_measured() {
@@ -111,7 +111,7 @@ mod tests {
         let setting =
             |seed| SuspensionSetting { dimension: 2, fraction: 0.1, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let measured = MeasuredViscosity { relative: 1.25, mean: None, curve: vec![(0.0, 1.25), (0.1, 1.0 / 3.0)], seconds: 0.5 };
-        let open = |fresh| Store::<ViscosityRecord>::open(&folder, "viscosity.json", Identity::of_version(), fresh);
+        let open = |fresh| Store::<ViscosityRecord>::open(&folder, "viscosity.json", StudyIdentity::of_version(), fresh);
         open(false).unwrap().add(ViscosityRecord { setting: setting(1), measured: measured.clone() }).unwrap();
         let store = open(false).unwrap();
         assert_eq!(store.find(&setting(1)).map(|record| &record.measured), Some(&measured));

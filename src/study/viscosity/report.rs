@@ -7,7 +7,7 @@ use super::{
 use crate::{
     experiment::{
         store::Store,
-        table::{Row, csv, markdown},
+        table::{TableRow, csv, markdown},
     },
     observe::statistics::{mean, standard_error},
     picture::{Bar, Chart, Mark, Notes, Scale, Series},
@@ -60,7 +60,7 @@ impl ViscosityReport {
             let (head, (source, values)) = (format!("{dimension}D fraction"), known(dimension));
             let row = |FractionPoint { fraction, mean, error, .. }: &FractionPoint| {
                 let known = values.iter().find(|(there, _)| there == fraction).map_or(String::new(), |(_, value)| value.to_string());
-                let mut row: Row = vec![(&head, fraction.to_string())];
+                let mut row: TableRow = vec![(&head, fraction.to_string())];
                 row.extend([("viscosity", format!("{mean:.4}")), ("standard error", format!("{error:.4}"))]);
                 row.extend(laws(dimension).iter().map(|law| (law.name, format!("{:.4}", (law.value)(*fraction)))));
                 row.push((source, known));
@@ -181,13 +181,13 @@ impl FractionPoint {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::experiment::store::Identity;
+    use crate::experiment::store::StudyIdentity;
 
     #[test]
     fn a_report_has_means_errors_and_charts_of_what_was_measured() {
         let folder = std::env::temp_dir().join(format!("turbid-viscosity-report-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let mut store = Store::open(&folder, "viscosity.json", Identity::of_version(), true).unwrap();
+        let mut store = Store::open(&folder, "viscosity.json", StudyIdentity::of_version(), true).unwrap();
         let setting =
             |fraction, seed| SuspensionSetting { dimension: 2, fraction, bodies: 4, cells_per_radius: 4.0, gap: 0.02, seed, strain: None };
         let settings = [setting(0.1, 1), setting(0.1, 2), setting(0.3, 1), setting(0.1, 1).sheared(2.0), setting(0.4, 1)];

@@ -118,17 +118,17 @@ fn differing(one: &Numbers, other: &Numbers, how: &str) -> Vec<String> {
     if names(one) != names(other) {
         return vec![format!("{how}: {:?} for {:?}", names(other), names(one))];
     }
-    let mut kinds = names(one);
-    kinds.sort();
-    kinds.dedup();
+    let mut quantities = names(one);
+    quantities.sort();
+    quantities.dedup();
     let mut wrong = Vec::new();
-    for kind in kinds {
-        let of = |numbers: &Numbers| numbers.iter().filter(|(name, _)| *name == kind).map(|(_, value)| *value).collect::<Vec<f64>>();
+    for quantity in quantities {
+        let of = |numbers: &Numbers| numbers.iter().filter(|(name, _)| *name == quantity).map(|(_, value)| *value).collect::<Vec<f64>>();
         let (one, other) = (of(one), of(other));
         let largest = one.iter().fold(1e-9_f64, |largest, value| largest.max(value.abs()));
         let off = one.iter().zip(&other).map(|(one, other)| (one - other).abs() / largest).fold(0.0, f64::max);
         if off > SAME {
-            wrong.push(format!("{how}: {kind} is off by {off:.1e}: {one:?}, {other:?}"));
+            wrong.push(format!("{how}: {quantity} is off by {off:.1e}: {one:?}, {other:?}"));
         }
     }
     wrong

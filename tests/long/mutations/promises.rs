@@ -154,12 +154,12 @@ fn bodies(drawn: &Drawn, summary: &Value) -> Vec<String> {
 
 /// A body on a given motion that is not where it was told to be.
 fn given_place(drawn: &Drawn, motion: &Motion, [start, seen]: [&Vec<f64>; 2], time: f64) -> Option<String> {
-    let told = match motion {
+    let expected = match motion {
         Motion::Fixed => start.to_vec(),
         Motion::Steady(velocity) => start.iter().zip(velocity).map(|(start, velocity)| start + velocity * time).collect(),
         _ => return None,
     };
-    let off = distance(drawn, &told, seen, time);
+    let off = distance(drawn, &expected, seen, time);
     (off > 1e-12).then(|| format!("a body of given motion {motion:?} is {off:.1e} away from its place"))
 }
 

@@ -43,20 +43,20 @@ fn what_gravity_pressure_and_a_moved_disk_do_is_dissipated_across_a_restart() {
 fn what_shear_does_is_dissipated_by_flow_and_films_on_any_number_of_ranks() {
     let here = folder("energy-ranks");
     let scene = write(&here, SHEARED_BALANCE);
-    let ways: [&[&str]; 2] =
+    let variants: [&[&str]; 2] =
         [&["flow.drive={ shear_rate = 1.0, periodic = \"sheared\" }"], &["domain.y={ lower = [-3.0, 0.0], upper = [3.0, 0.0] }"]];
-    for (number, way) in ways.into_iter().enumerate() {
+    for (number, variant) in variants.into_iter().enumerate() {
         let all = [1, 3].map(|ranks| {
             let out = here.join(format!("{number}-{ranks}"));
-            run(ranks, &scene, &out, way);
+            run(ranks, &scene, &out, variant);
             energies(&out)
         });
         let last = all[0].rows.len() - 1;
         // no step resolves the jump with which shear starts
         let later = |name| all[0].at(last, name) - all[0].at(last / 2, name);
         let [work, films, unbalanced] = ["work", "dissipated_films", "unbalanced"].map(later);
-        assert!(films > 0.0 && unbalanced.abs() < 0.006 * work, "{way:?}: {unbalanced} of {work} is lost, films took {films}");
+        assert!(films > 0.0 && unbalanced.abs() < 0.006 * work, "{variant:?}: {unbalanced} of {work} is lost, films took {films}");
         let (distance, column) = all[0].difference(&all[1], &[]);
-        assert!(distance <= 1e-6, "{way:?}: {column} differs by {distance:.1e}");
+        assert!(distance <= 1e-6, "{variant:?}: {column} differs by {distance:.1e}");
     }
 }

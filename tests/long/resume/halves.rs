@@ -16,24 +16,24 @@ const SAME: f64 = 1e-10;
 /// The tolerance of the scenes.
 const TOLERANCE: f64 = 1e-8;
 
-fn halves_agree(name: &str, text: &str, ways: &[&[&str]], rank_counts: &[usize]) {
+fn halves_agree(name: &str, text: &str, variants: &[&[&str]], rank_counts: &[usize]) {
     let end = toml_end(text);
     let (half, whole) = (format!("time.end={}", 0.5 * end), format!("time.end={end}"));
-    for (&way, &ranks) in ways.iter().flat_map(|way| rank_counts.iter().map(move |ranks| (way, ranks))) {
-        let here = folder(&format!("halves-{name}-{}-{ranks}", way.join("-").replace(['=', '.'], "")));
+    for (&variant, &ranks) in variants.iter().flat_map(|variant| rank_counts.iter().map(move |ranks| (variant, ranks))) {
+        let here = folder(&format!("halves-{name}-{}-{ranks}", variant.join("-").replace(['=', '.'], "")));
         let (scene, once, twice) = (write(&here, text), here.join("once"), here.join("twice"));
-        let uninterrupted = run(ranks, &scene, &once, way);
-        let first_half = run(ranks, &scene, &twice, &[way, &[half.as_str()]].concat());
-        assert!(number(&first_half, "steps") >= 2.0, "{name} {way:?}: the first half is too short");
+        let uninterrupted = run(ranks, &scene, &once, variant);
+        let first_half = run(ranks, &scene, &twice, &[variant, &[half.as_str()]].concat());
+        assert!(number(&first_half, "steps") >= 2.0, "{name} {variant:?}: the first half is too short");
         let resumed = resume(ranks, &twice, &[&whole]);
-        assert_eq!(number(&resumed, "steps"), number(&uninterrupted, "steps"), "{name} {way:?} on {ranks} ranks");
+        assert_eq!(number(&resumed, "steps"), number(&uninterrupted, "steps"), "{name} {variant:?} on {ranks} ranks");
         let distance = difference(&bodies(&uninterrupted), &bodies(&resumed));
-        assert!(distance <= SAME, "{name} {way:?} on {ranks} ranks: bodies differ by {distance:.1e}");
+        assert!(distance <= SAME, "{name} {variant:?} on {ranks} ranks: bodies differ by {distance:.1e}");
         let (distance, column) = Series::read(&once).difference(&Series::read(&twice), &["seconds"]);
-        assert!(distance <= SAME, "{name} {way:?} on {ranks} ranks: {column} differs by {distance:.1e}");
+        assert!(distance <= SAME, "{name} {variant:?} on {ranks} ranks: {column} differs by {distance:.1e}");
         for key in ["grown", "shrunk", "solves", "iterations", "steps.0", "steps.1"].map(|key| format!("motion.{key}")) {
             let (one, two) = (number(&uninterrupted, &key), number(&resumed, &key));
-            assert!((one - two).abs() <= SAME, "{name} {way:?} on {ranks} ranks: {key} is {two} instead of {one}");
+            assert!((one - two).abs() <= SAME, "{name} {variant:?} on {ranks} ranks: {key} is {two} instead of {one}");
         }
         frames_agree(&once, &twice);
     }
@@ -52,14 +52,14 @@ fn frames_agree(one: &Path, two: &Path) {
 
 #[test]
 fn a_box_whose_images_slide_in_two_halves_is_the_run_in_one() {
-    let ways: [&[&str]; 4] = [&[], &["time.step=0.07"], &["method.inverse=transform"], &["time.scheme=midpoint"]];
-    halves_agree("sliding", SLIDING, &ways, &[2]);
+    let variants: [&[&str]; 4] = [&[], &["time.step=0.07"], &["method.inverse=transform"], &["time.scheme=midpoint"]];
+    halves_agree("sliding", SLIDING, &variants, &[2]);
 }
 
 #[test]
 fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
     let transform = "method.inverse=transform";
-    let ways: [&[&str]; 6] = [
+    let variants: [&[&str]; 6] = [
         &[],
         &["time.scheme=midpoint"],
         &["time.step=0.04"],
@@ -67,7 +67,7 @@ fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
         &[transform],
         &[transform, "method.tolerance=auto"],
     ];
-    halves_agree("sheared", SHEARED, &ways, &[1, 2]);
+    halves_agree("sheared", SHEARED, &variants, &[1, 2]);
 }
 
 #[test]
@@ -91,20 +91,20 @@ fn a_shear_whose_rate_changes_in_two_halves_is_the_run_in_one() {
 #[test]
 fn a_drive_that_changes_in_two_halves_is_the_run_in_one() {
     let still = "domain.y={ lower = [0.0, 0.0], upper = [0.0, 0.0] }";
-    let ways: [&[&str]; 2] = [
+    let variants: [&[&str]; 2] = [
         &[still, "flow.drive={ pressure_gradient = [-4.0, 0.0], factor = [{ until = 0.1, value = 1.0 }, { value = -1.0 }] }"],
         &[still, "flow.drive={ body_force = [4.0, 0.0], factor = { amplitude = 1.0, frequency = 2.0 } }", "method.inverse=transform"],
     ];
-    halves_agree("driven", SHEARED, &ways, &[2]);
-    halves_agree("driven-inertia", INERTIA, &ways[1..], &[2]);
+    halves_agree("driven", SHEARED, &variants, &[2]);
+    halves_agree("driven-inertia", INERTIA, &variants[1..], &[2]);
 }
 
 #[test]
 fn a_flow_with_inertia_in_two_halves_is_the_run_in_one() {
     let fitted = ["method.constraint=fitted", "contact.model=none", "gravity=[0.0,-2.0]"];
     let films: &[&str] = &["method.inverse=transform", "lubrication.model=pairwise"];
-    let ways: [&[&str]; 4] = [&[], films, &["time.step=0.04"], &fitted];
-    halves_agree("inertia", INERTIA, &ways, &[2]);
+    let variants: [&[&str]; 4] = [&[], films, &["time.step=0.04"], &fitted];
+    halves_agree("inertia", INERTIA, &variants, &[2]);
     halves_agree("sliding-inertia", SLIDING_INERTIA, &[&[], &["method.inverse=hypre"]], &[2]);
 }
 
@@ -127,12 +127,12 @@ fn rigid_clusters_in_two_halves_are_the_run_in_one() {
 #[test]
 fn a_flow_with_inertia_by_methods_of_first_order_in_two_halves_is_the_run_in_one() {
     let transform = "method.inverse=transform";
-    let ways: [&[&str]; 3] = [
+    let variants: [&[&str]; 3] = [
         &[transform, "method.constraint=mean-value"],
         &[transform, "method.constraint=distributed"],
         &[transform, "method.constraint=penalty"],
     ];
-    halves_agree("inertia-first-order", INERTIA, &ways, &[2]);
+    halves_agree("inertia-first-order", INERTIA, &variants, &[2]);
 }
 
 #[test]

@@ -28,12 +28,12 @@ fn forces_on_bodies_whose_motion_is_given_are_told_step_by_step_across_a_restart
     let last = whole.rows.len() - 1;
     assert_eq!(last as f64, number(&summary, "steps"));
     for body in [0, 2] {
-        let told = [0, 1].map(|axis| number(&summary, &format!("bodies.{body}.force.{axis}")));
+        let reported = [0, 1].map(|axis| number(&summary, &format!("bodies.{body}.force.{axis}")));
         let found = ["force_x", "force_y"].map(|name| whole.at(last, &format!("{name}_{body}")));
-        assert!(difference(&told, &found) <= SAME, "{told:?} {found:?}");
+        assert!(difference(&reported, &found) <= SAME, "{reported:?} {found:?}");
         // density 2, speed 2, radius 0.5: half of density times its square, over the diameter, is 4
         let coefficients = ["drag", "lift"].map(|name| 4.0 * whole.at(last, &format!("{name}_{body}")));
-        assert!(difference(&told, &coefficients) <= SAME, "{told:?} {coefficients:?}");
+        assert!(difference(&reported, &coefficients) <= SAME, "{reported:?} {coefficients:?}");
     }
     assert!(whole.at(last, "drag_0") > 0.1, "the stream drags along the disk that stays");
 }
@@ -111,7 +111,7 @@ fn the_plan_of_a_flow_with_inertia_tells_its_seconds() {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.contains("velocity, pressure and vorticity of each cell") && said.contains("of the fluid on 2 bodies"), "{said}");
     let steps = said.split_once(" steps: ").and_then(|(_, rest)| rest.split_once(" steps")).map(|(steps, _)| steps.parse::<f64>());
-    let told = steps.unwrap_or_else(|| panic!("no steps in: {said}")).unwrap();
+    let forecast = steps.unwrap_or_else(|| panic!("no steps in: {said}")).unwrap();
     let taken = number(&run(1, &scene, &here.join("out"), &[]), "steps");
-    assert!((told / taken - 1.0).abs() < 0.3, "{told} steps are told, {taken} are taken");
+    assert!((forecast / taken - 1.0).abs() < 0.3, "{forecast} steps are told, {taken} are taken");
 }

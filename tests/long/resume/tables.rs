@@ -98,8 +98,8 @@ fn an_altered_frame_is_set_aside() {
             dataset.write_raw(&numbers).unwrap();
         }
     }
-    let told = said(&turbid(1, &["animate", out.to_str().unwrap()]));
-    assert!(told.contains("000001.h5 cannot be read (its bodies/center differs from its checksum)"), "{told}");
+    let printed = said(&turbid(1, &["animate", out.to_str().unwrap()]));
+    assert!(printed.contains("000001.h5 cannot be read (its bodies/center differs from its checksum)"), "{printed}");
     let (passed, said) = gone_on(&out);
     assert!(passed && said.contains("its bodies/center differs from its checksum"), "{said}");
     assert!(said.contains("its bodies/contacts differs from its checksum") && out.join("frames/000002.h5.damaged").exists(), "{said}");

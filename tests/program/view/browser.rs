@@ -38,13 +38,13 @@ fn chromium() -> Option<&'static str> {
 }
 
 /// What was seen of a page.
-struct Seen {
+struct Rendering {
     pixels: Vec<[u8; 3]>,
     document: String,
 }
 
 /// Shows a page in a state that its address names; no error may come up.
-fn look(program: &str, page: &Path, state: &str) -> Seen {
+fn render(program: &str, page: &Path, state: &str) -> Rendering {
     let _one = BROWSER.lock().unwrap_or_else(|broken| broken.into_inner());
     let here = page.parent().unwrap();
     let picture = here.join("seen.png");
@@ -63,9 +63,9 @@ fn look(program: &str, page: &Path, state: &str) -> Seen {
     let (document, log) = (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned());
     let errors: Vec<&str> = log.lines().filter(|line| line.contains("CONSOLE") || line.contains("Uncaught")).collect();
     assert!(errors.is_empty(), "{state}: {errors:?}");
-    let seen = Seen { pixels: pixels(&picture), document };
-    assert_eq!(seen.fact("state"), "ready", "{state}: {log}");
-    seen
+    let rendering = Rendering { pixels: pixels(&picture), document };
+    assert_eq!(rendering.fact("state"), "ready", "{state}: {log}");
+    rendering
 }
 
 fn pixels(path: &Path) -> Vec<[u8; 3]> {
@@ -76,7 +76,7 @@ fn pixels(path: &Path) -> Vec<[u8; 3]> {
     bytes[..info.buffer_size()].chunks(info.color_type.samples()).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 
-impl Seen {
+impl Rendering {
     /// What the page says of itself.
     fn fact(&self, name: &str) -> &str {
         let start =
@@ -110,7 +110,7 @@ impl Seen {
         colours.len()
     }
 
-    fn difference(&self, other: &Seen) -> usize {
+    fn difference(&self, other: &Rendering) -> usize {
         self.scene().zip(other.scene()).filter(|(one, other)| one != other).count()
     }
 }
@@ -140,12 +140,12 @@ fn disks_of_a_sheared_run_are_where_the_frame_has_them() {
     let (out, page) = shown("view-browser-sheared", SLIDING, &["time.end=0.25"]);
     let (number, frame) = last::<2>(&out);
     let size = [frame.size.x, frame.size.y];
-    let seen = look(chromium, &page, &format!("frame={number}&colour=plain&marks=0&{}", view()));
-    assert_eq!((seen.fact("frame"), seen.fact("bodies")), (number.to_string().as_str(), frame.bodies.len().to_string().as_str()));
+    let rendering = render(chromium, &page, &format!("frame={number}&colour=plain&marks=0&{}", view()));
+    assert_eq!((rendering.fact("frame"), rendering.fact("bodies")), (number.to_string().as_str(), frame.bodies.len().to_string().as_str()));
     // the edges of the box are drawn over the bodies
     let off_edges = |body: &&FrameBody<2>| (0..2).all(|axis| (0.1..size[axis] - 0.1).contains(&body.center[axis]));
     for body in frame.bodies.iter().filter(off_edges) {
-        assert_eq!(seen.at(body.center.into()), PLAIN, "at {}", body.center);
+        assert_eq!(rendering.at(body.center.into()), PLAIN, "at {}", body.center);
     }
     // between all images of the disks it is white
     let free = |x: f64, y: f64| {
@@ -160,15 +160,15 @@ fn disks_of_a_sheared_run_are_where_the_frame_has_them() {
     let gaps: Vec<[f64; 2]> = places.filter(|[x, y]| free(*x, *y)).collect();
     assert!(gaps.len() > 20, "{}", gaps.len());
     for gap in gaps {
-        assert_eq!(seen.at(gap), [255; 3], "at {gap:?}");
+        assert_eq!(rendering.at(gap), [255; 3], "at {gap:?}");
     }
-    let start = look(chromium, &page, &format!("frame=0&colour=plain&marks=0&{}", view()));
-    assert!(seen.difference(&start) > 3000, "{}", seen.difference(&start));
-    let by_speed = look(chromium, &page, &format!("frame={number}&colour=speed&flow=vorticity&streams=1&images=around"));
-    assert!(by_speed.coloured() > 2 * seen.coloured().max(1000), "{} {}", by_speed.coloured(), seen.coloured());
+    let start = render(chromium, &page, &format!("frame=0&colour=plain&marks=0&{}", view()));
+    assert!(rendering.difference(&start) > 3000, "{}", rendering.difference(&start));
+    let by_speed = render(chromium, &page, &format!("frame={number}&colour=speed&flow=vorticity&streams=1&images=around"));
+    assert!(by_speed.coloured() > 2 * rendering.coloured().max(1000), "{} {}", by_speed.coloured(), rendering.coloured());
     // it goes round and round, and a busy machine may draw nothing for a while: one look may find it at its start, not all of them
     let mut speeds = [1, 2, 5, 10, 15, 25].into_iter().cycle().take(24);
-    let goes_on = |speed| look(chromium, &page, &format!("frame=0&play=1&speed={speed}")).fact("frame") != "0";
+    let goes_on = |speed| render(chromium, &page, &format!("frame=0&play=1&speed={speed}")).fact("frame") != "0";
     assert!(speeds.any(goes_on), "it plays");
 }
 
@@ -177,11 +177,11 @@ fn chains_have_their_colours_and_a_body_its_history() {
     let Some(chromium) = chromium() else { return };
     let (out, page) = shown("view-browser-chains", CHAINS, &["time.end=0.16"]);
     let (number, frame) = last::<2>(&out);
-    let seen = look(chromium, &page, &format!("frame={number}&bonds=0&marks=0&{}", view()));
+    let rendering = render(chromium, &page, &format!("frame={number}&bonds=0&marks=0&{}", view()));
     for body in &frame.bodies {
-        assert_eq!(seen.at(body.center.into()), CHAIN[usize::from(body.number >= 4)], "body {}", body.number);
+        assert_eq!(rendering.at(body.center.into()), CHAIN[usize::from(body.number >= 4)], "body {}", body.number);
     }
-    let followed = look(chromium, &page, &format!("frame={number}&body=2"));
+    let followed = render(chromium, &page, &format!("frame={number}&body=2"));
     assert!(followed.document.contains(">Body 2<") && followed.document.contains("the path is drawn"), "the card of the body");
 }
 
@@ -189,8 +189,8 @@ fn chains_have_their_colours_and_a_body_its_history() {
 fn spheres_are_shaded_turned_and_cut() {
     let Some(chromium) = chromium() else { return };
     let (_, page) = shown("view-browser-spheres", SPHERES, &["time.end=0.01", "output.every=0.01"]);
-    let seen = look(chromium, &page, "frame=1");
-    assert!(seen.coloured() > 10_000 && seen.colours() > 300, "{} {}", seen.coloured(), seen.colours());
-    let [turned, cut] = ["view=2,2,2,1.5,0.2,9", "clip=z:0.4&flow=speed"].map(|state| look(chromium, &page, &format!("frame=1&{state}")));
-    assert!(seen.difference(&turned) > 10_000 && seen.difference(&cut) > 10_000);
+    let rendering = render(chromium, &page, "frame=1");
+    assert!(rendering.coloured() > 10_000 && rendering.colours() > 300, "{} {}", rendering.coloured(), rendering.colours());
+    let [turned, cut] = ["view=2,2,2,1.5,0.2,9", "clip=z:0.4&flow=speed"].map(|state| render(chromium, &page, &format!("frame=1&{state}")));
+    assert!(rendering.difference(&turned) > 10_000 && rendering.difference(&cut) > 10_000);
 }

@@ -114,7 +114,7 @@ fn browsers_are_told_to_come_again_where_no_thread_can_be_made() {
     limit(&((kilobytes + 2048) * 1024).to_string());
     // idle ones, each with a thread, until there is room for no more
     let mut idle = Vec::new();
-    let told = (0..1000).find_map(|_| {
+    let answer = (0..1000).find_map(|_| {
         let mut stream = TcpStream::connect(&address).unwrap();
         stream.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
         let (mut answer, mut part) = (Vec::new(), [0; 256]);
@@ -124,7 +124,7 @@ fn browsers_are_told_to_come_again_where_no_thread_can_be_made() {
         idle.push(stream);
         (!answer.is_empty()).then(|| String::from_utf8_lossy(&answer).into_owned())
     });
-    assert!(told.as_deref().is_some_and(|told| told.starts_with("HTTP/1.1 503 Service Unavailable")), "{told:?}");
+    assert!(answer.as_deref().is_some_and(|answer| answer.starts_with("HTTP/1.1 503 Service Unavailable")), "{answer:?}");
     limit("unlimited");
     drop(idle);
     assert_eq!(ask(&address, "/frame/0", &address).0, "HTTP/1.1 200 OK");

@@ -9,7 +9,7 @@ const STRIP: usize = 64;
 /// Multiplications per row from which a product of matrices is worth its start.
 const SMALL: usize = 64;
 
-type View<'a> = MatrixView<'a, f64, Dyn, Dyn, Dyn, Dyn>;
+type DenseView<'a> = MatrixView<'a, f64, Dyn, Dyn, Dyn, Dyn>;
 type ViewMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, Dyn, Dyn>;
 
 /// Cholesky's factors of the first columns, in place: the lower half of a panel of so many rows and columns.
@@ -70,8 +70,8 @@ struct Columns<'a> {
 /// Takes `B C^T` from a matrix of so many rows and columns, where `B` and `C` are the first rows of these columns.
 fn subtract_product(from: Columns, rows: usize, columns: usize, target: &mut [f64], stride: usize) {
     let Columns { entries, height, width } = from;
-    let left = View::from_slice_with_strides_generic(entries, Dyn(rows), Dyn(width), Dyn(1), Dyn(height));
-    let right = View::from_slice_with_strides_generic(entries, Dyn(width), Dyn(columns), Dyn(height), Dyn(1));
+    let left = DenseView::from_slice_with_strides_generic(entries, Dyn(rows), Dyn(width), Dyn(1), Dyn(height));
+    let right = DenseView::from_slice_with_strides_generic(entries, Dyn(width), Dyn(columns), Dyn(height), Dyn(1));
     let mut target = ViewMut::from_slice_with_strides_generic(target, Dyn(rows), Dyn(columns), Dyn(1), Dyn(stride));
     target.gemm(-1.0, &left, &right, 1.0);
 }

@@ -105,13 +105,13 @@ fn joined(child: &Group, group: &Group, order: &Order, heights: &[usize]) -> Opt
 /// The fronts of groups, without constraints.
 fn couple(order: &Order, groups: Vec<Range<usize>>, owners: &[usize], width: usize) -> Vec<Front> {
     let mut fronts: Vec<Front> = Vec::with_capacity(groups.len());
-    let (mut givers, mut seen, mut start) = (vec![Vec::new(); groups.len()], vec![NONE; owners.len()], 0);
+    let (mut givers, mut marked, mut start) = (vec![Vec::new(); groups.len()], vec![NONE; owners.len()], 0);
     for (number, columns) in groups.into_iter().enumerate() {
         let children: Vec<usize> = std::mem::take(&mut givers[number]);
         let of_bodies = order.neighbours[columns.clone()].iter();
         let all = of_bodies.chain(children.iter().map(|&child| &fronts[child].rows)).flatten();
         let mut rows: Vec<usize> =
-            all.copied().filter(|&row| row >= columns.end && std::mem::replace(&mut seen[row], number) != number).collect();
+            all.copied().filter(|&row| row >= columns.end && std::mem::replace(&mut marked[row], number) != number).collect();
         rows.sort_unstable();
         let (wide, below) = (columns.len() * width, rows.len() * width);
         let panel = start..start + wide * (wide + below);

@@ -34,13 +34,13 @@ impl Order {
     /// Rows of each column of the factor, its own among them.
     pub fn heights(&self) -> Vec<usize> {
         let mut heights = vec![1; self.bodies.len()];
-        let mut seen = vec![NONE; self.bodies.len()];
+        let mut marked = vec![NONE; self.bodies.len()];
         for (row, neighbours) in self.neighbours.iter().enumerate() {
-            seen[row] = row;
+            marked[row] = row;
             for &start in neighbours.iter().take_while(|&&neighbour| neighbour < row) {
                 let mut column = start;
-                while seen[column] != row {
-                    seen[column] = row;
+                while marked[column] != row {
+                    marked[column] = row;
                     heights[column] += 1;
                     column = self.parents[column];
                 }

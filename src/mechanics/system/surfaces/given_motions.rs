@@ -4,7 +4,7 @@ use super::SurfaceOperators;
 use crate::{error::Result, petsc::Vector};
 
 impl<const D: usize> SurfaceOperators<'_, D> {
-    /// Turns the sampled velocities into multipliers, and returns the unknowns of links, by what near pairs and pores answer to motions:
+    /// Turns the sampled velocities into multipliers, and returns the unknowns of constraints, by what near pairs and pores answer to motions:
     ///
     /// ```text
     /// [ A + N' C^-1 N   P ] [ U ]   [ F + N' C^-1 rates - B r ]         c = B (r + U) + P p
@@ -48,7 +48,7 @@ impl<const D: usize> SurfaceOperators<'_, D> {
         self.add_pairs(wanted, &mut output)
     }
 
-    /// The forces wanted of free bodies beyond those found, over that of a unit of a link's unknown.
+    /// The forces wanted of free bodies beyond those found, over that of a unit of a constraint's unknown.
     fn miss(&self, given: &Vector, found: &Vector, forces: &mut Vector) -> Result<()> {
         let (given, found, mut forces) = (given.local()?, found.local()?, forces.local_mut()?);
         for member in self.operators.iter().filter(|member| member.free) {
