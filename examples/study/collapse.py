@@ -10,7 +10,7 @@ import math
 import pathlib
 import sys
 
-from common import bodies, line, run
+from common import bodies, heap, line, run, slopes
 
 OUT = pathlib.Path("out/study/collapse")
 PACKED = 0.82
@@ -47,43 +47,6 @@ def published(aspect):
     return 2.5 * aspect if aspect < 2.0 else 3.25 * aspect ** 0.7
 
 
-def heap(disks):
-    """The disks that hang together with most others: those whose surfaces are nearer than a tenth of a radius."""
-    cells = {}
-    for number, ((x, y), _) in enumerate(disks):
-        cells.setdefault((int(x // 3.0), int(y // 3.0)), []).append(number)
-    group = list(range(len(disks)))
-
-    def root(one):
-        while group[one] != one:
-            group[one] = group[group[one]]
-            one = group[one]
-        return one
-
-    for number, ((x, y), radius) in enumerate(disks):
-        column, row = int(x // 3.0), int(y // 3.0)
-        for other in (other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in cells.get((column + i, row + j), [])):
-            (u, v), wide = disks[other]
-            if other > number and math.hypot(x - u, y - v) < radius + wide + 0.1:
-                group[root(number)] = root(other)
-    sizes = {}
-    for number in range(len(disks)):
-        sizes[root(number)] = sizes.get(root(number), 0) + 1
-    main = max(sizes, key=sizes.get)
-    return [disk for number, disk in enumerate(disks) if root(number) == main]
-
-
-def slope(disks, middle, reach):
-    """Tangent of the deposit's flank, by least squares over the middle three fifths of both sides: of the tops of slices three radii wide."""
-    tops = {}
-    for (x, y), radius in disks:
-        place = int(abs(x - middle) // 3.0)
-        for side in ([0] if x < middle else [1]):
-            tops[(side, place)] = max(tops.get((side, place), 0.0), y + radius)
-    points = [((place + 0.5) * 3.0, top) for (_, place), top in tops.items() if 0.2 * reach < (place + 0.5) * 3.0 < 0.8 * reach]
-    return -line(points)[0]
-
-
 def collapse(program, count, aspect, friction, seed):
     half = math.sqrt(count * math.pi * 1.023 / (2.0 * PACKED * aspect))
     end = round(1.5 * math.sqrt(2.0 * half * aspect) + 10.0, 1)
@@ -105,7 +68,7 @@ def collapse(program, count, aspect, friction, seed):
     reach = 0.5 * (max(x for (x, _), _ in disks) - min(x for (x, _), _ in disks))
     height = max(y + radius for (x, y), radius in disks if abs(x - middle) < 0.2 * half + 3.0)
     return {"disks": count, "aspect": highest / half, "friction": friction, "runout": reach / half - 1.0, "height": height / half,
-            "angle": math.degrees(math.atan(slope(disks, middle, reach)))}
+            "angle": math.degrees(math.atan(sum(slopes(disks, middle, reach)) / 2))}
 
 
 def exponent(rows, quantity):

@@ -1,6 +1,7 @@
-"""What the studies of dry disks share: runs that are made once, and straight lines through points."""
+"""What the studies of dry disks and spheres share: runs that are made once, straight lines through points, heaps and their slopes, intervals."""
 
 import json
+import math
 import subprocess
 import sys
 
@@ -31,3 +32,59 @@ def line(points):
     slope = sum((x - mean[0]) * (y - mean[1]) for x, y in points) / wide
     off = sum((y - mean[1] - slope * (x - mean[0])) ** 2 for x, y in points)
     return slope, (off / max(len(points) - 2, 1) / wide) ** 0.5
+
+
+def heap(disks):
+    """The disks that hang together with most others: those whose surfaces are nearer than a tenth of a radius."""
+    cells = {}
+    for number, ((x, y), _) in enumerate(disks):
+        cells.setdefault((int(x // 3.0), int(y // 3.0)), []).append(number)
+    group = list(range(len(disks)))
+
+    def root(one):
+        while group[one] != one:
+            group[one] = group[group[one]]
+            one = group[one]
+        return one
+
+    for number, ((x, y), radius) in enumerate(disks):
+        column, row = int(x // 3.0), int(y // 3.0)
+        for other in (other for i in (-1, 0, 1) for j in (-1, 0, 1) for other in cells.get((column + i, row + j), [])):
+            (u, v), wide = disks[other]
+            if other > number and math.hypot(x - u, y - v) < radius + wide + 0.1:
+                group[root(number)] = root(other)
+    sizes = {}
+    for number in range(len(disks)):
+        sizes[root(number)] = sizes.get(root(number), 0) + 1
+    main = max(sizes, key=sizes.get)
+    return [disk for number, disk in enumerate(disks) if root(number) == main]
+
+
+def slopes(disks, middle, reach):
+    """Tangents of the left and the right flank, by least squares over their middle three fifths: of the tops of slices three radii wide."""
+    sides = [{}, {}]
+    for (x, y), radius in disks:
+        tops, place = sides[int(x >= middle)], int(abs(x - middle) // 3.0)
+        tops[place] = max(tops.get(place, 0.0), y + radius)
+    middles = [[((place + 0.5) * 3.0, top) for place, top in tops.items() if 0.2 * reach < (place + 0.5) * 3.0 < 0.8 * reach] for tops in sides]
+    return [-line(points)[0] for points in middles]
+
+
+#: Of the 95 % interval of a mean, by degrees of freedom.
+STUDENT = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571, 7: 2.365, 9: 2.262, 11: 2.201}
+
+
+def interval(values):
+    """The mean of independent values, with half its 95 % interval."""
+    mean = sum(values) / len(values)
+    scatter = sum((value - mean) ** 2 for value in values) / (len(values) - 1)
+    return mean, STUDENT[len(values) - 1] * math.sqrt(scatter / len(values))
+
+
+BLOCKS = 6
+
+
+def in_time(samples):
+    """The mean of samples in time, with half its 95 % interval from the scatter of blocks."""
+    blocks = [samples[len(samples) * place // BLOCKS : len(samples) * (place + 1) // BLOCKS] for place in range(BLOCKS)]
+    return sum(samples) / len(samples), interval([sum(block) / len(block) for block in blocks])[1]

@@ -11,7 +11,7 @@ import math
 import pathlib
 import sys
 
-from common import line, run
+from common import in_time, line, run
 
 OUT = pathlib.Path("out/study/granular")
 WIDTH, COUNT, SPEED = 30.3, 360, 10.0
@@ -64,17 +64,6 @@ def scene(fraction, strain):
     return SCENE.format(width=WIDTH, height=height, lower=row(1.0), upper=row(height - 1.0), speed=SPEED, count=COUNT, end=end, step=0.004 / rate, every=end / 400)
 
 
-BLOCKS, STUDENT = 6, 2.571
-
-
-def with_interval(samples):
-    """The mean of samples in time, with half its 95 % interval from the scatter of blocks."""
-    blocks = [samples[len(samples) * place // BLOCKS : len(samples) * (place + 1) // BLOCKS] for place in range(BLOCKS)]
-    means = [sum(block) / len(block) for block in blocks]
-    mean = sum(samples) / len(samples)
-    return mean, STUDENT * math.sqrt(sum((value - mean) ** 2 for value in means) / (BLOCKS - 1) / BLOCKS)
-
-
 def measure(folder):
     """Means over the second half of the run of what is in the middle half of the layer."""
     frames = {}
@@ -94,8 +83,8 @@ def measure(folder):
         rates.append(line(points)[0])
     pressure, rate = sum(normals) / len(normals), sum(rates) / len(rates)
     # of a ratio of means: the scatter of what is left of its equation
-    left = with_interval([shear - sum(shears) / sum(normals) * normal for shear, normal in zip(shears, normals)])[1]
-    fraction, width = with_interval(fractions)
+    left = in_time([shear - sum(shears) / sum(normals) * normal for shear, normal in zip(shears, normals)])[1]
+    fraction, width = in_time(fractions)
     return {"I": rate * math.sqrt(math.pi * MEAN_AREA / pressure), "mu": sum(shears) / sum(normals), "mu width": left / pressure, "fraction": fraction, "width": width}
 
 

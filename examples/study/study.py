@@ -32,6 +32,9 @@ SWEEPS = {
     "thickening": ({"contact.friction.critical_load": ["0.1", "1", "3", "10", "30", "100"]}, 1, PARTS),
 }
 
+#: Studies of dry disks and spheres, scripts of their own beside this one.
+DRY = ["granular", "incline", "pile", "collapse"]
+
 
 def sweep(program, name):
     """Runs what is missing of a sweep and gives its table."""
@@ -226,7 +229,7 @@ def dry(program, name):
     return done.stdout.strip()
 
 
-def page(tables, granular, collapse):
+def page(tables, dry_parts):
     parts = {
         "DISKS": figures(tables["disks"], False),
         "SPHERES": figures(tables["spheres"], True),
@@ -235,8 +238,7 @@ def page(tables, granular, collapse):
         "REFERENCES": references(tables["spheres"]),
         "TRANSIENT": transient(),
         "THICKENING": thickening(tables["thickening"]),
-        "GRANULAR": granular,
-        "COLLAPSE": collapse,
+        **{name.upper(): text for name, text in dry_parts.items()},
     }
     text = (DOCS / "parts" / "study.md").read_text()
     for name, part in parts.items():
@@ -254,9 +256,9 @@ def main():
     program = sys.argv[1]
     with ThreadPoolExecutor(2) as pool:
         jobs = {name: pool.submit(sweep, program, name) for name in SWEEPS}
-        granular, collapse = (pool.submit(dry, program, name) for name in ("granular", "collapse"))
+        dry_jobs = {name: pool.submit(dry, program, name) for name in DRY}
         tables = {name: job.result() for name, job in jobs.items()}
-    page(tables, granular.result(), collapse.result())
+    page(tables, {name: job.result() for name, job in dry_jobs.items()})
     print("docs/study.md")
 
 
