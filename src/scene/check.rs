@@ -7,7 +7,7 @@ use crate::geometry::Protocol;
 use crate::scene::demand::{expect, name, walled};
 use crate::scene::{
     AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, Drive, FlowModel, Joint, LubricationModel,
-    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, protocol,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, force_laws, protocol,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -30,6 +30,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_structure_factor(scene)?;
     check_followed(scene)?;
     energy::check(scene)?;
+    force_laws::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }
