@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_pair_force_does_what_the_same_law_in_rust_does),
         Test::of(a_pair_force_in_space_does_what_the_same_law_in_rust_does),
         Test::of(constant_expressions_do_what_forces_and_torques_of_bodies_do),
+        Test::of(forces_and_torques_on_bodies_count_in_the_viscosity_as_those_of_their_keys_do),
         Test::of(a_dry_body_in_a_trap_oscillates_as_its_spring_says),
         Test::of(a_force_that_changes_with_time_and_place_is_the_same_after_a_restart),
         Test::of(a_step_that_is_too_long_is_refused_by_the_name_of_the_force),
@@ -155,6 +156,27 @@ fn constant_expressions_do_what_forces_and_torques_of_bodies_do(session: &Sessio
     let by_expressions = scene(&format!("{expressions}{}", space.replace(", KEYS", "")));
     let [by_keys, by_expressions] = [by_keys, by_expressions].map(|scene| turns::<3>(session, &scene));
     assert!(furthest(&by_keys, &by_expressions) < 1e-9, "{by_keys:?} and {by_expressions:?}");
+}
+
+/// A torque in a box whose images slide, and a force along moving walls besides.
+fn forces_and_torques_on_bodies_count_in_the_viscosity_as_those_of_their_keys_do(session: &Session) {
+    let box_of = |more: &str, keys: &str| {
+        scene(&format!(
+            "domain = {{ size = [6.0, 5.0]{more} }}\nresolution = {{ cells_per_radius = 3 }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-10 }}\n\
+             time = {{ end = 0.1, step = 0.05 }}\nbodies = [{{ radius = 0.5, centers = [[1.5, 1.5], [4.0, 3.0]]{keys} }}]\n"
+        ))
+    };
+    let sliding = " }\nflow = { drive = { shear_rate = 1.0, periodic = \"sheared\" }";
+    let walls = ", y = { lower = [-2.5, 0.0], upper = [2.5, 0.0] }";
+    for more in [sliding, walls] {
+        let keys = box_of(more, ", force = [0.7, -0.2], torque = 0.4");
+        let mut expressions = box_of(more, "");
+        expressions.interactions = scene(&format!("{PAIR}time = {{ end = 1.0 }}\ninteractions = [{{ body_force = [0.7, -0.2], torque = 0.4 }}]\n")).interactions;
+        let [without, keys, expressions] =
+            [box_of(more, ""), keys, expressions].map(|scene| ran(Simulation::<2>::new(session, &scene).unwrap()));
+        let (apart, changed) = (furthest(&keys, &expressions), (keys[0] - without[0]).abs());
+        assert!(apart < 1e-8 && changed > 1e-3, "{more}: {apart:.1e} from that of keys, {changed:.1e} from none");
+    }
 }
 
 /// How far bodies have gone and turned in the end.
