@@ -158,25 +158,34 @@ fn constant_expressions_do_what_forces_and_torques_of_bodies_do(session: &Sessio
     assert!(furthest(&by_keys, &by_expressions) < 1e-9, "{by_keys:?} and {by_expressions:?}");
 }
 
-/// A torque in a box whose images slide, and a force along moving walls besides.
+/// Torques, and along moving walls forces without a net one, in the lower and the upper half of the box.
 fn forces_and_torques_on_bodies_count_in_the_viscosity_as_those_of_their_keys_do(session: &Session) {
-    let box_of = |more: &str, keys: &str| {
+    let box_of = |more: &str, keys: [&str; 2], forces: &str| {
         scene(&format!(
             "domain = {{ size = [6.0, 5.0]{more} }}\nresolution = {{ cells_per_radius = 3 }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-10 }}\n\
-             time = {{ end = 0.1, step = 0.05 }}\nbodies = [{{ radius = 0.5, centers = [[1.5, 1.5], [4.0, 3.0]]{keys} }}]\n"
+             time = {{ end = 0.1, step = 0.05 }}\nbodies = [{{ radius = 0.5, centers = [[1.5, 1.5]]{} }}, {{ radius = 0.5, centers = [[4.0, 3.0]]{} }}]\n{forces}",
+            keys[0], keys[1]
         ))
     };
     let sliding = " }\nflow = { drive = { shear_rate = 1.0, periodic = \"sheared\" }";
     let walls = ", y = { lower = [-2.5, 0.0], upper = [2.5, 0.0] }";
+    let keys = [", force = [0.7, -0.2], torque = 0.4", ", force = [-0.7, -0.2], torque = 0.4"];
+    let forces = "interactions = [{ body_force = [\"max(-0.7, min(0.7, 100 * (2.25 - y)))\", -0.2], torque = \"0.4\" }]\n";
     for more in [sliding, walls] {
-        let keys = box_of(more, ", force = [0.7, -0.2], torque = 0.4");
-        let mut expressions = box_of(more, "");
-        expressions.interactions = scene(&format!("{PAIR}time = {{ end = 1.0 }}\ninteractions = [{{ body_force = [0.7, -0.2], torque = 0.4 }}]\n")).interactions;
-        let [without, keys, expressions] =
-            [box_of(more, ""), keys, expressions].map(|scene| ran(Simulation::<2>::new(session, &scene).unwrap()));
-        let (apart, changed) = (furthest(&keys, &expressions), (keys[0] - without[0]).abs());
+        let scenes = [box_of(more, [""; 2], ""), box_of(more, keys, ""), box_of(more, [""; 2], forces)];
+        let [without, by_keys, by_expressions] = scenes.map(|scene| ran(Simulation::<2>::new(session, &scene).unwrap()));
+        let (apart, changed) = (furthest(&by_keys, &by_expressions), (by_keys[0] - without[0]).abs());
         assert!(apart < 1e-8 && changed > 1e-3, "{more}: {apart:.1e} from that of keys, {changed:.1e} from none");
     }
+    // a net force along the walls leaves none
+    let pushed = box_of(walls, [""; 2], "interactions = [{ body_force = [\"0.1\", \"0\"] }]\n");
+    let mut simulation = Simulation::<2>::new(session, &pushed).unwrap();
+    let solution = simulation.evaluate(&mut |_, _| {}).unwrap().solution.unwrap();
+    let flow = simulation.suspension().unwrap();
+    assert!(observe::viscosity(flow.setup(), flow.grid(), &solution, &[]).unwrap().is_none());
+    let why = observe::why_no_viscosity(flow.setup(), &solution.loads).unwrap();
+    // the force on both over the area of a wall, viscosity and rate 1
+    assert!(why.contains("differ by 3.333e-2"), "{why}");
 }
 
 /// How far bodies have gone and turned in the end.
