@@ -39,24 +39,33 @@ impl BodyForceLaw {
         [&["x", "y", "z"][..dimension], &["radius", "time"]].concat()
     }
 
-    /// The law of a name with a force and a torque, for bodies of a region.
+    /// The law of a name with a force on bodies of a region.
     ///
     /// Its steepest slope is the largest norm of the gradient of the force at 9 places along each axis and 9 times, for the smallest and the largest body.
     ///
     /// # Errors
-    /// Where force, slope or torque is not finite.
-    pub fn new(name: String, [force, torque]: [Vec<Expression>; 2], region: &Region) -> Result<BodyForceLaw, String> {
-        let mut law = BodyForceLaw { name, force, torque, steepest: 0.0 };
+    /// Where the force or its slope is not finite.
+    pub fn new(name: String, force: Vec<Expression>, region: &Region) -> Result<BodyForceLaw, String> {
+        let mut law = BodyForceLaw { name, force, torque: Vec::new(), steepest: 0.0 };
         for variables in region.samples() {
             let slope = law.gradient(&variables, region.ends.len());
-            let values = [&law.force, &law.torque].map(|of| evaluate(of, &variables, None)).concat();
-            if !slope.is_finite() || !values.iter().all(Dual::is_finite) {
-                let (place, [radius, time]) = variables.split_at(region.ends.len()) else { unreachable!("radius and time are last") };
-                return Err(format!("is not finite, or infinitely steep, at {place:?} for a radius of {radius} at time {time}"));
+            if !slope.is_finite() || !are_finite(&law.force, &variables) {
+                return Err(region.unbounded("is not finite, or infinitely steep,", &variables));
             }
             law.steepest = law.steepest.max(slope);
         }
         Ok(law)
+    }
+
+    /// The same with a torque on bodies of a region: an expression in 2D, three in 3D.
+    ///
+    /// # Errors
+    /// Where the torque is not finite.
+    pub fn with_torque(self, torque: Vec<Expression>, region: &Region) -> Result<BodyForceLaw, String> {
+        match region.samples().find(|variables| !are_finite(&torque, variables)) {
+            Some(variables) => Err(region.unbounded("is not finite", &variables)),
+            None => Ok(BodyForceLaw { torque, ..self }),
+        }
     }
 
     /// The norm of the gradient of the force.
@@ -72,6 +81,10 @@ impl BodyForceLaw {
     }
 }
 
+fn are_finite(expressions: &[Expression], variables: &[f64]) -> bool {
+    evaluate(expressions, variables, None).iter().all(Dual::is_finite)
+}
+
 /// Values of expressions with their slopes along one of their variables, if it is given.
 fn evaluate(expressions: &[Expression], variables: &[f64], along: Option<usize>) -> Vec<Dual> {
     let dual = |(place, &value): (usize, &f64)| if along == Some(place) { Dual::varying(value) } else { Dual::fixed(value) };
@@ -80,6 +93,12 @@ fn evaluate(expressions: &[Expression], variables: &[f64], along: Option<usize>)
 }
 
 impl Region {
+    /// What is wrong there, with the place.
+    fn unbounded(&self, wrong: &str, variables: &[f64]) -> String {
+        let (place, instant) = variables.split_at(self.ends.len());
+        format!("{wrong} at {place:?} for a radius of {} at time {}", instant[0], instant[1])
+    }
+
     /// Places, radii and times all over it.
     fn samples(&self) -> impl Iterator<Item = Vec<f64>> {
         let between = |[low, high]: [f64; 2], sample: usize| low + (high - low) * sample as f64 / (SAMPLES - 1) as f64;
@@ -132,8 +151,9 @@ mod tests {
         let constants = BTreeMap::from([("k".to_owned(), 3.0)]);
         let variables = BodyForceLaw::variables(force.len());
         let parse = |text: &&str| Expression::parse(text, &variables, &constants).unwrap();
-        let expressions = [force, torque].map(|texts| texts.iter().map(parse).collect());
-        BodyForceLaw::new("law".into(), expressions, &Region { ends: vec![[0.0, 8.0]; force.len()], radii: [0.5, 1.0], end })
+        let region = Region { ends: vec![[0.0, 8.0]; force.len()], radii: [0.5, 1.0], end };
+        BodyForceLaw::new("law".into(), force.iter().map(parse).collect(), &region)?
+            .with_torque(torque.iter().map(parse).collect(), &region)
     }
 
     #[test]
@@ -167,9 +187,9 @@ mod tests {
     #[test]
     fn what_is_not_finite_in_the_box_is_refused_with_its_place() {
         let refusal = |force: &[&str], torque: &[&str]| law(force, torque, 1.0).unwrap_err();
-        let expected = "is not finite, or infinitely steep, at [4.0, 0.0] for a radius of 0.5 at time 0";
-        assert_eq!(refusal(&["1/(x - 4)", "0"], &[]), expected);
-        assert_eq!(refusal(&["0", "0"], &["1/(x - 4)"]), expected);
+        let place = "at [4.0, 0.0] for a radius of 0.5 at time 0";
+        assert_eq!(refusal(&["1/(x - 4)", "0"], &[]), format!("is not finite, or infinitely steep, {place}"));
+        assert_eq!(refusal(&["0", "0"], &["1/(x - 4)"]), format!("is not finite {place}"));
         assert!(refusal(&["0", "log(1 - time)"], &[]).ends_with("at time 1"));
     }
 }

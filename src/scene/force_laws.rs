@@ -21,8 +21,8 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         return Err(scene.refuse("method.constraint", "\"fitted\"", remedy));
     }
     if scene.bodies.is_empty() {
-        let key = format!("interactions[0].{}", first.force.key());
-        return Err(scene.refuse(&key, first.force.shown(), "acts on bodies, and there are none; add [[bodies]]"));
+        let remedy = "acts on bodies, and there are none; add [[bodies]]";
+        return Err(scene.refuse("interactions[0].name", format!("{:?}", first.name), remedy));
     }
     let radii = scene.bodies.iter().map(|group| group.radius);
     scene.force_laws([radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)]).map(drop)
@@ -39,21 +39,24 @@ impl Scene {
 
     fn force_law(&self, number: usize, section: &InteractionSection, radii: [f64; 2]) -> Result<ForceLaw> {
         let key = |name: &str| format!("interactions[{number}].{name}");
-        let unbounded =
-            |why: String, remedy: &str| self.refuse(&key(section.force.key()), section.force.shown(), &format!("{why}; {remedy}"));
-        let expression = |key: String, text: &String| self.expression(section, &key, text);
         match &section.force {
             ForceTexts::Pair { force, reach } => {
-                let law = PairForceLaw::new(section.name.clone(), expression(key("pair_force"), force)?, *reach, radii);
-                law.map(ForceLaw::Pair).map_err(|why| unbounded(why, "bound it, for example by max(gap, 1e-3) in place of gap"))
+                let expression = self.expression(section, &key("pair_force"), force)?;
+                let law = PairForceLaw::new(section.name.clone(), expression, *reach, radii);
+                let remedy = "bound it, for example by max(gap, 1e-3) in place of gap";
+                law.map(ForceLaw::Pair).map_err(|why| self.refuse(&key("pair_force"), shown([force]), &format!("{why}; {remedy}")))
             }
             ForceTexts::Body { force, torque } => {
-                let at = |name: &str, place: usize| format!("{}[{place}]", key(name));
-                let force = (0..).zip(force).map(|(place, text)| expression(at("body_force", place), text)).collect::<Result<_>>()?;
-                let of_torque = |place| if torque.len() == 1 { key("torque") } else { at("torque", place) };
-                let torque = (0..).zip(torque).map(|(place, text)| expression(of_torque(place), text)).collect::<Result<_>>()?;
-                let law = BodyForceLaw::new(section.name.clone(), [force, torque], &self.region(radii));
-                law.map(ForceLaw::Body).map_err(|why| unbounded(why, "bound it, for example by max or min"))
+                let region = self.region(radii);
+                let [forces, torques] = [("body_force", force), ("torque", torque)].map(|(name, texts)| {
+                    let of = |place| if texts.len() == 1 { key(name) } else { format!("{}[{place}]", key(name)) };
+                    (0..).zip(texts).map(|(place, text)| self.expression(section, &of(place), text)).collect::<Result<Vec<_>>>()
+                });
+                let unbounded = |name: &str, texts: &[String], why: String| {
+                    self.refuse(&key(name), shown(texts), &format!("{why}; bound it, for example by max or min"))
+                };
+                let law = BodyForceLaw::new(section.name.clone(), forces?, &region).map_err(|why| unbounded("body_force", force, why))?;
+                law.with_torque(torques?, &region).map(ForceLaw::Body).map_err(|why| unbounded("torque", torque, why))
             }
         }
     }
@@ -72,12 +75,8 @@ impl Scene {
     }
 }
 
-impl ForceTexts {
-    /// It as messages repeat it.
-    fn shown(&self) -> String {
-        match self {
-            ForceTexts::Pair { force, .. } => format!("{force:?}"),
-            ForceTexts::Body { force, .. } => format!("{force:?}"),
-        }
-    }
+/// Expressions as a scene file writes them.
+fn shown<'a>(texts: impl IntoIterator<Item = &'a String>) -> String {
+    let texts: Vec<&String> = texts.into_iter().collect();
+    if let [text] = texts[..] { format!("{text:?}") } else { format!("{texts:?}") }
 }

@@ -115,11 +115,6 @@ impl ForceTexts {
             ForceTexts::Body { .. } => BodyForceLaw::variables(dimension),
         }
     }
-
-    /// The key that gives it.
-    pub(in crate::scene) fn key(&self) -> &'static str {
-        if matches!(self, ForceTexts::Pair { .. }) { "pair_force" } else { "body_force" }
-    }
 }
 
 fn name(entry: &Entry) -> Result<String> {
