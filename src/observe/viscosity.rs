@@ -13,7 +13,6 @@ use crate::{
     error::Result,
     flow::Drive,
     grid::Grid,
-    interaction::Wrench,
     mechanics::{Setup, Solution, SuspendedBody},
 };
 
@@ -67,9 +66,7 @@ pub fn viscosity<const D: usize>(
     solution: &Solution<D>,
     contacts: &[ContactForce<D>],
 ) -> Result<Option<Viscosity>> {
-    let Some(shear) = Shear::of(&setup.domain, &setup.drive).filter(|shear| uneven(setup, &solution.loads, shear).is_none()) else {
-        return Ok(None);
-    };
+    let Some(shear) = Shear::of(&setup.domain, &setup.drive).filter(|shear| uneven(setup, shear).is_none()) else { return Ok(None) };
     if setup.bodies.iter().any(|suspended| !suspended.body.free()) {
         return Ok(None);
     }
@@ -99,10 +96,10 @@ pub fn viscosity<const D: usize>(
 }
 
 /// Why a suspension of free bodies between walls that shear it has no viscosity, if it has none: what pushes it along them makes the shear stress of
-/// one wall differ from that of the other. The loads are those that interactions have on single bodies ([`Solution::loads`]).
-pub fn why_no_viscosity<const D: usize>(setup: &Setup<D>, loads: &[(usize, Wrench<D>)]) -> Option<String> {
+/// one wall differ from that of the other.
+pub fn why_no_viscosity<const D: usize>(setup: &Setup<D>) -> Option<String> {
     let shear = Shear::of(&setup.domain, &setup.drive)?;
-    let difference = uneven(setup, loads, &shear)?;
+    let difference = uneven(setup, &shear)?;
     let free = setup.bodies.iter().all(|suspended| suspended.body.free());
     free.then(|| {
         format!(
@@ -112,8 +109,8 @@ pub fn why_no_viscosity<const D: usize>(setup: &Setup<D>, loads: &[(usize, Wrenc
     })
 }
 
-/// Difference of the shear stresses of two walls over viscosity and rate, by all forces along them on single bodies and on the fluid, if there is any.
-fn uneven<const D: usize>(setup: &Setup<D>, loads: &[(usize, Wrench<D>)], shear: &Shear<D>) -> Option<f64> {
+/// Difference of the shear stresses of two walls over viscosity and rate, by all forces along them that are given, if there is any.
+fn uneven<const D: usize>(setup: &Setup<D>, shear: &Shear<D>) -> Option<f64> {
     if !setup.domain.axes[shear.gradient].walled() {
         return None;
     }
@@ -127,8 +124,7 @@ fn uneven<const D: usize>(setup: &Setup<D>, loads: &[(usize, Wrench<D>)], shear:
         Motion::Free { force, .. } => force,
         Motion::Prescribed(_) => SVector::zeros(),
     };
-    let on_bodies = setup.bodies.iter().map(pull).chain(loads.iter().map(|(_, wrench)| wrench.force));
-    let net = (driven + on_bodies.sum::<SVector<f64, D>>()).dot(&shear.flow);
+    let net = (driven + setup.bodies.iter().map(pull).sum::<SVector<f64, D>>()).dot(&shear.flow);
     let difference = net * setup.domain.size[shear.gradient] / (volume * setup.viscosity * shear.rate);
     (difference.abs() > EVEN).then_some(difference)
 }

@@ -284,9 +284,9 @@ fn units_change_nothing_that_is_dry(session: &Session) {
 
 fn units_change_no_force_by_an_expression(session: &Session) {
     let forces = "interactions = [\
-        { pair_force = \"-force * length^4 / r^4 * exp(-gap / length)\", reach = 1.5, constants = { force = 2.0, length = 1.5 } }, \
+        { pair_force = \"-force * length^4 / r^4 * exp(-gap / length)\", reach = 1.5, constants = { force = 1.0, length = 1.5 } }, \
         { body_force = [\"force * sin(2 * pi * frequency * time + 1) * cos(2 * pi * x / length)\", \"force * radius / length\"], \
-        torque = \"force * length * cos(y / length)\", constants = { force = 0.5, length = 7.2, frequency = 3.0 } }]\n";
+        torque = \"force * length * cos(y / length)\", constants = { force = 0.2, length = 7.2, frequency = 3.0 } }]\n";
     for flow in ["model = \"stokes\"", "model = \"navier-stokes\", density = 1.0"] {
         let text = format!("{}{forces}", clusters(flow, "model = \"inelastic\"", "pairwise"));
         proof::<2>(session, &format!("forces by expressions, {flow}"), &text, &UNITS[..5], 1e-5);
