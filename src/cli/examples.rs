@@ -42,6 +42,7 @@ const SCENES: &[(&str, &str)] = &files![
     "crowd.toml",
     "crowd3d.toml",
     "cubic.toml",
+    "custom.toml",
     "dense.toml",
     "friction.toml",
     "friction_in_flow.toml",

@@ -5,10 +5,12 @@
 //! steep its forces are, which limits explicit steps. What an interaction does not have it leaves at the default, and then nothing is built for it.
 
 mod arrangement;
+mod body_force_law;
 mod bonds;
 mod cluster;
 mod conserved;
 mod contact_law;
+mod expression;
 mod friction;
 mod gluey;
 mod hinge;
@@ -16,6 +18,7 @@ mod inelastic;
 mod joints;
 mod list;
 mod lubrication;
+mod pair_force_law;
 mod pair_resistance;
 mod repulsion;
 mod spring;
@@ -25,16 +28,19 @@ mod welds;
 use std::fmt::Debug;
 
 pub use arrangement::{Arrangement, Forces, PairForce, Wrench};
+pub use body_force_law::{BodyForceLaw, Region};
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;
 pub use conserved::{Conserved, Measure, enclosed};
 pub use contact_law::{ContactLaw, ContactMemory, Friction, Touch, UnequalFriction};
+pub use expression::{Dual, Expression};
 pub use gluey::Gluey;
 pub use hinge::Hinge;
 pub use inelastic::Inelastic;
 pub use joints::{JointedChain, Joints};
 pub use list::Interactions;
 pub use lubrication::Lubrication;
+pub use pair_force_law::PairForceLaw;
 pub use pair_resistance::PairResistance;
 pub use repulsion::Repulsion;
 pub use spring::Spring;
@@ -44,7 +50,7 @@ pub use welds::Welds;
 /// What bodies do to each other and to walls. All numbers are in the units of the scene.
 pub trait Interaction<const D: usize>: Debug {
     /// Its name among the effects of a plan.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// What is built for it, for the plan.
     fn describe(&self) -> String;

@@ -87,6 +87,6 @@ impl<const D: usize> dyn FlowSolver<D> + '_ {
         let forces = Forces { contacts: Vec::new(), ..setup.interactions.forces(&arrangement) };
         let pushes = forces.on_bodies(balls.len(), &[]);
         let solution = self.solve_at(&Configuration { pushes: &pushes, ..at_rest }, monitor)?;
-        Ok(Solution { pair_stress: PairForce::total_stress(&forces.pairs), ..solution })
+        Ok(Solution { pair_stress: PairForce::total_stress(&forces.pairs), loads: forces.single, ..solution })
     }
 }

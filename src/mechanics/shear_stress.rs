@@ -2,11 +2,12 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{
-    setup::{Setup, SuspendedBody},
-    solution::{BodyState, Solution},
+use super::{setup::Setup, solution::Solution};
+use crate::{
+    body::Motion,
+    contact::ContactForce,
+    interaction::{PairForce, Wrench},
 };
-use crate::{body::Motion, contact::ContactForce, interaction::PairForce};
 
 /// The shear stress, contacts included: `viscosity x rate`, and what stresslets and forces between bodies add over the volume.
 pub fn shear_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, contacts: &[ContactForce<D>]) -> f64 {
@@ -21,8 +22,8 @@ pub fn shear_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, co
     setup.viscosity * rate + total[(0, 1)] / setup.domain.volume()
 }
 
-/// What given torques and, between walls, given forces along the flow add to the stress, times volume, in a shear along a direction past planes across an axis;
-/// nothing without any.
+/// What torques and, between walls, forces along the flow on single bodies add to the stress, times volume, in a shear along a direction past planes across an
+/// axis; nothing without any.
 pub fn load_stress<const D: usize>(
     setup: &Setup<D>,
     solution: &Solution<D>,
@@ -31,12 +32,16 @@ pub fn load_stress<const D: usize>(
     let walled = setup.domain.axes[gradient].walled();
     let across = SVector::<f64, D>::from_fn(|axis, _| if axis == gradient { 1.0 } else { 0.0 });
     let along = flow * across.transpose();
-    let load = |(suspended, state): (&SuspendedBody<D>, &BodyState<D>)| {
-        let Motion::Free { force, torque } = suspended.body.motion else { return None };
-        let pull = if walled { force.dot(&flow) } else { 0.0 };
-        let height = state.center[gradient] - 0.5 * setup.domain.size[gradient];
+    let pull = |force: &SVector<f64, D>| if walled { force.dot(&flow) } else { 0.0 };
+    let load = |body: usize, Wrench { force, torque }: Wrench<D>| {
+        let height = solution.bodies[body].center[gradient] - 0.5 * setup.domain.size[gradient];
         // a torque is turned as a spin is: its entry from x to y is the one of y and x
-        (pull != 0.0 || torque.norm() != 0.0).then(|| torque * -0.5 - along * (pull * height))
+        torque * -0.5 - along * (pull(&force) * height)
     };
-    setup.bodies.iter().zip(&solution.bodies).filter_map(load).reduce(|sum, part| sum + part)
+    let given = setup.bodies.iter().enumerate().filter_map(|(body, suspended)| {
+        let Motion::Free { force, torque } = suspended.body.motion else { return None };
+        (pull(&force) != 0.0 || torque.norm() != 0.0).then(|| load(body, Wrench { force, torque }))
+    });
+    // what changes with time has a stress where it happens to be zero, too
+    given.chain(solution.loads.iter().map(|&(body, wrench)| load(body, wrench))).reduce(|sum, part| sum + part)
 }

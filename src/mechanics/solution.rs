@@ -5,6 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use super::cost::Cost;
 use crate::{
     body::{Twist, components, skew},
+    interaction::Wrench,
     petsc::Vector,
 };
 
@@ -107,6 +108,8 @@ pub struct Solution<const D: usize> {
     pub contact_forces: Vec<f64>,
     /// What forces at a distance add to the stress times volume, if there are any.
     pub pair_stress: Option<SMatrix<f64, D, D>>,
+    /// Forces and torques on single bodies that interactions have, besides those that the setup gives.
+    pub loads: Vec<(usize, Wrench<D>)>,
     /// What springs and clusters add to the stress times volume, if there are any.
     pub bond_stress: Option<SMatrix<f64, D, D>>,
     /// Forces of springs and clusters, along the coordinates of the configuration.

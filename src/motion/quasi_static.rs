@@ -216,6 +216,7 @@ impl<const D: usize> QuasiStatic<D> {
         };
         let mut solution = self.suspension.solve_at(&configuration, monitor)?;
         solution.pair_stress = PairForce::total_stress(&instant.forces.pairs);
+        solution.loads.clone_from(&instant.forces.single);
         effort.add_solve(&solution.cost);
         for (found, suspended) in solution.bodies.iter_mut().zip(&self.suspension.setup().bodies) {
             // the solver meets it to its tolerance

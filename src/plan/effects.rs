@@ -1,5 +1,7 @@
 //! The effects of a scene: what is built for each, and which are off.
 
+use std::borrow::Cow;
+
 use super::{Plan, memory::distinct_laplacians};
 use crate::{
     flow::{Drive, InverseMethod},
@@ -15,20 +17,20 @@ use crate::{
 #[derive(Debug, Clone, PartialEq)]
 pub struct Effect {
     /// Its name.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// What is built for it; nothing if it is off.
     pub built: Option<String>,
 }
 
 impl Effect {
     /// One that is built so.
-    pub fn on(name: &'static str, built: String) -> Effect {
-        Effect { name, built: Some(built) }
+    pub fn on(name: impl Into<Cow<'static, str>>, built: String) -> Effect {
+        Effect { name: name.into(), built: Some(built) }
     }
 
     /// One that is off.
     pub fn off(name: &'static str) -> Effect {
-        Effect { name, built: None }
+        Effect { name: name.into(), built: None }
     }
 }
 
@@ -46,7 +48,7 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
             },
         ),
         Effect::on("pressure", "one unknown for each cell".into()),
-        Effect { name: "rotation", built: spins },
+        Effect { name: "rotation".into(), built: spins },
         Effect::on("drive", shear(&setup.domain).unwrap_or_else(|| changing_drive(setup)) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
@@ -66,7 +68,7 @@ pub fn inertia<const D: usize>(setup: &Setup<D>) -> Effect {
         let built = "convection and the flow of two earlier times; one operator for each length of step, all else implicit";
         format!("fluid of density {}: {built}", inertia.fluid)
     });
-    Effect { name: "inertia", built }
+    Effect { name: "inertia".into(), built }
 }
 
 /// What drives a flow.
@@ -140,7 +142,7 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     let autocorrelation = scene.output.velocity_autocorrelation.then(|| "from the frames once the run has ended".to_owned());
     let displacements = scene.output.displacements.then(|| "mean squares, from the frames once the run has ended".to_owned());
     let picture = scene.output.picture.then(|| "at the end".to_owned());
-    let effect = |(name, built)| Effect { name, built };
+    let effect = |(name, built): (&'static str, _)| Effect { name: name.into(), built };
     let of_output = [
         ("frames", frames),
         ("fields output", fields),
@@ -185,7 +187,7 @@ fn interactions<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     let longest = plan.longest_step();
     let stable = |limits: bool| if limits { format!(", stable with steps up to {longest:.3e}") } else { String::new() };
     let on = |interaction: &dyn Interaction<D>| {
-        Effect::on(interaction.name(), interaction.describe() + &stable(interaction.steepest(1.0) > 0.0))
+        Effect::on(interaction.name().to_owned(), interaction.describe() + &stable(interaction.steepest(1.0) > 0.0))
     };
     let built: Vec<Effect> = plan.interactions().into_iter().flat_map(Interactions::iter).map(on).collect();
     let absent = |name: &&str| built.iter().all(|effect| effect.name != *name);

@@ -89,8 +89,8 @@ fn of_scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pla
     let gradient = setup.gradient.map(|gradient| format!("{:?}", gradient.as_slice()));
     let effects = vec![
         Effect::on("scalar", "one matrix, one multigrid hierarchy (hypre)".into()),
-        Effect { name: "source", built: (setup.source != 0.0).then_some(source) },
-        Effect { name: "mean gradient", built: gradient },
+        Effect { name: "source".into(), built: (setup.source != 0.0).then_some(source) },
+        Effect { name: "mean gradient".into(), built: gradient },
         inclusions,
     ]
     .into_iter()

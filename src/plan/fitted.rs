@@ -25,7 +25,7 @@ pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> R
     let mut effects = vec![
         Effect::on(flow_name(setup), mesh(triangles)),
         Effect::on("pressure", "one unknown for each corner of a triangle".into()),
-        Effect { name: "rotation", built: (free > 0).then(|| format!("spins of {free} bodies, which are unknowns")) },
+        Effect { name: "rotation".into(), built: (free > 0).then(|| format!("spins of {free} bodies, which are unknowns")) },
         Effect::on("drive", drive(&setup.drive)),
         bodies(setup.bodies.len(), &format!("{free} of them free; ")),
         inertia(setup),
@@ -43,7 +43,7 @@ fn inertia<const D: usize>(setup: &Setup<D>) -> Effect {
         let built = "the flow of two earlier times at nodes that move along, convection in the matrix, whose factors are new in each step";
         format!("fluid of density {}: {built}", inertia.fluid)
     });
-    Effect { name: "inertia", built }
+    Effect { name: "inertia".into(), built }
 }
 
 /// The plan of a scalar.

@@ -17,11 +17,19 @@ use crate::{
     interaction::{Cluster, Friction, Gluey, Inelastic, Interaction, Interactions, Repulsion, UnequalFriction, Welds},
     mechanics::Setup,
     motion::GranularBody,
-    scene::{ContactModel, Scene, Step},
+    scene::{ContactModel, ForceLaw, Scene, Step},
 };
 
 /// The interactions of dry bodies.
-pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[GranularBody<D>], groups: &[usize]) -> Interactions<D> {
+///
+/// # Errors
+/// A force that is given by an expression is not finite between bodies of their radii.
+pub fn of_granular<const D: usize>(
+    scene: &Scene,
+    domain: &Domain<D>,
+    bodies: &[GranularBody<D>],
+    groups: &[usize],
+) -> Result<Interactions<D>> {
     let contact = contact(scene.contact.model, || {
         let largest =
             |number: fn(&GranularBody<D>) -> f64| bodies.iter().map(number).filter(|number| number.is_finite()).fold(0.0, f64::max);
@@ -29,7 +37,23 @@ pub fn of_granular<const D: usize>(scene: &Scene, domain: &Domain<D>, bodies: &[
         let force = largest(|body| if body.mass.is_finite() { body.mass * body.acceleration.norm() } else { 0.0 });
         (mass * speed * speed + force * domain.size.max()) / largest(|body| body.radius)
     });
-    Interactions::new(contact.into_iter().chain(friction(scene, groups)))
+    let by_expressions = by_expressions(scene, bodies.iter().map(|body| body.radius))?;
+    Ok(Interactions::new(contact.into_iter().chain(friction(scene, groups)).chain(by_expressions)))
+}
+
+/// The forces of a scene that are given by expressions, on bodies of these radii.
+///
+/// # Errors
+/// One is not finite between such bodies.
+pub fn by_expressions<const D: usize>(scene: &Scene, radii: impl Iterator<Item = f64> + Clone) -> Result<Vec<Rc<dyn Interaction<D>>>> {
+    let radii = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
+    let shared = |law| -> Rc<dyn Interaction<D>> {
+        match law {
+            ForceLaw::Pair(law) => Rc::new(law),
+            ForceLaw::Body(law) => Rc::new(law),
+        }
+    };
+    Ok(scene.force_laws(radii)?.into_iter().map(shared).collect())
 }
 
 /// Friction and roughness of the surfaces of a scene, whose bodies are of these groups, if there are any.
@@ -112,17 +136,18 @@ fn drive<const D: usize>(setup: &Setup<D>, radius: f64) -> f64 {
 /// Refuses a repulsion without a unit, and a fixed step that is too long for the interactions.
 pub fn check<const D: usize>(scene: &Scene, interactions: &Interactions<D>, longest: f64) -> Result<()> {
     let repulsion = matches!(scene.contact.model, ContactModel::Repulsion { .. });
+    let steep: Vec<_> = interactions.iter().filter(|interaction| interaction.steepest(1.0) > 0.0).collect();
+    let touches = |interaction: &&dyn Interaction<D>| interaction.contact().touch.is_some();
     match scene.time.as_ref().map(|time| time.step) {
-        _ if repulsion && interactions.steepest(1.0) == 0.0 => {
+        _ if repulsion && !steep.iter().any(touches) => {
             let remedy = "has no force to be measured by: nothing drives the bodies; give them gravity, a force, a velocity or a flow";
             Err(scene.refuse("contact.model", "\"repulsion\"", remedy))
         }
         Some(Step::Fixed(step)) if step > longest => {
-            let (what, remedy) = if repulsion {
+            let (what, remedy) = if repulsion && steep.iter().all(touches) {
                 ("contact.model = \"repulsion\", which is".into(), "shorten it, set it to \"auto\", or lower contact.stiffness")
             } else {
-                let steep = interactions.iter().filter(|interaction| interaction.steepest(1.0) > 0.0);
-                let names = steep.map(Interaction::name).collect::<Vec<_>>().join(", ");
+                let names = steep.iter().map(|interaction| interaction.name()).collect::<Vec<_>>().join(", ");
                 (format!("the interactions ({names}), which are"), "shorten it or set it to \"auto\"")
             };
             Err(scene.refuse("time.step", step, &format!("is too long for {what} stable up to {longest:.3e}; {remedy}")))

@@ -62,7 +62,7 @@ impl<const D: usize> GranularSetup<D> {
         let (bonds, welds) = (chains::bonds(scene, &placed), interactions::welds(scene, &placed));
         let groups: Vec<usize> = placed.iter().map(|(group, _)| *group).collect();
         let bodies: Vec<GranularBody<D>> = placed.into_iter().map(of_group).collect();
-        let interactions = interactions::of_granular(scene, &domain, &bodies, &groups);
+        let interactions = interactions::of_granular(scene, &domain, &bodies, &groups)?;
         let interactions = if let Some(bonds) = bonds { interactions.with(bonds) } else { interactions };
         let interactions = if let Some(welds) = welds { interactions.with(welds) } else { interactions };
         Ok(GranularSetup { interactions, domain, bodies, trajectories })
@@ -103,10 +103,9 @@ impl<const D: usize> Setup<D> {
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
         let domain = protocol::whole(scene, domain, spacing)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
-        let setup = match interactions::friction(scene, &groups) {
-            Some(friction) => Setup { interactions: Interactions::new(setup.interactions.shared().chain([friction])), ..setup },
-            None => setup,
-        };
+        let by_expressions = interactions::by_expressions(scene, setup.bodies.iter().map(|suspended| suspended.body.ball.radius))?;
+        let more = interactions::friction(scene, &groups).into_iter().chain(by_expressions);
+        let setup = Setup { interactions: Interactions::new(setup.interactions.shared().chain(more)), ..setup };
         let setup = match bonds {
             Some(bonds) => setup.with(bonds),
             None => setup,

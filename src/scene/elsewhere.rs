@@ -1,7 +1,7 @@
 //! Words of other programs for what a scene says otherwise, or does not say: the answer to a key that is unknown.
 
 /// Words, and the answer to them, with keys of a scene between backticks.
-const ANSWERS: [(&[&str], &str); 18] = [
+const ANSWERS: [(&[&str], &str); 19] = [
     (&["dt", "timestep", "time_step", "deltat"], "the length of a step is `time.step`, automatic without it"),
     (&["t_end", "tend", "end_time", "tmax", "duration"], "the end of a run is `time.end`"),
     (&["viscosity", "eta", "nu", "dynamic_viscosity"], "the viscosity of the fluid is `flow.viscosity`"),
@@ -19,6 +19,10 @@ const ANSWERS: [(&[&str], &str); 18] = [
     (&["shear_stress", "stress"], "a shear at a given stress is `flow.drive.shear_stress`"),
     (&["phi", "volume_fraction", "concentration", "fraction"], "the fraction that a group fills is `bodies.fraction`"),
     (&["n", "particles", "nparticles", "spheres", "disks"], "bodies are groups `bodies`, with `bodies.count` or `bodies.fraction`"),
+    (
+        &["potential", "pair_style", "pair_coeff", "hamaker", "debye", "attraction", "dipole"],
+        "a force between two bodies is an expression, `interactions.pair_force`",
+    ),
     (&["bidisperse", "polydispersity", "size_ratio"], "bodies of several sizes are `bodies.sizes`"),
     (&["temperature", "kt", "brownian", "peclet"], "there is no Brownian motion"),
     (&["ellipsoid", "aspect_ratio", "superquadric"], "bodies are disks and spheres; elongated ones are `clusters` of them"),

@@ -15,6 +15,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     expect(sharp, "needs the slopes of the flow at surfaces; set method.constraint = \"sharp\", or remove it")?;
     let bonds = scene.bodies.iter().any(|bodies| bodies.chain.is_some());
     expect(!bonds, "does not count what bonds store; remove it, or [[chains]] and [[cells]]")?;
+    expect(scene.interactions.is_empty(), "does not count the work of forces by expressions; remove it, or [[interactions]]")?;
     let hard = matches!(scene.contact.model, ContactModel::None | ContactModel::Inelastic | ContactModel::Gluey { .. });
     expect(hard, "does not count what forces at a distance store; set contact.model = \"inelastic\", or remove it")?;
     let axes = &scene.domain.axes;

@@ -10,12 +10,12 @@ use crate::scene::key::Key;
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
-    ContactSection, DomainSection, FlowModel, FlowSection, LubricationSection, MethodSection, OutputSection, ResolutionSection, Scene,
-    TimeSection, accuracy, bodies, check, keys, overrides, scalar,
+    ContactSection, DomainSection, FlowModel, FlowSection, InteractionSection, LubricationSection, MethodSection, OutputSection,
+    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
 };
 
 /// Keys at the top of a scene file.
-pub(super) const KEYS: [Key; 16] = [
+pub(super) const KEYS: [Key; 17] = [
     Key::new("title", "text", "\"Disks in shear\"", "One line for people.").default("\"\""),
     Key::new("seed", "whole number", "7", "Seed of all random numbers: the same seed gives the same packing.")
         .default("1")
@@ -58,6 +58,7 @@ pub(super) const KEYS: [Key; 16] = [
         "Groups of rigid bodies that are made of \
         several balls.",
     ),
+    Key::new("interactions", "list of tables", "[{ pair_force = \"-3 / r^4\", reach = 2.0 }]", "Forces on bodies that are given by expressions."),
     Key::new("contact", "table", "{ model = \"inelastic\" }", "What happens between bodies that touch.")
         .default("nothing")
         .needs("time.end = 1.0"),
@@ -221,6 +222,7 @@ fn read(file: &str, folder: &Path, content: &Value, locations: Locations) -> Res
             bodies::read_clusters(&root, folder, dimension)?,
         ]
         .concat(),
+        interactions: InteractionSection::read_all(&root, dimension)?,
         contact: ContactSection::read(&root)?,
         lubrication: LubricationSection::read(&root)?,
         time: TimeSection::read(&root, model)?,

@@ -13,8 +13,8 @@ use crate::scene::entry::word_of;
 use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
     AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,
-    Drive, FlowModel, FlowSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver, OutputSection, Placement,
-    ResolutionSection, Scene, Scheme, Shape, SizeDistribution, Step, TimeSection, Until,
+    Drive, FlowModel, FlowSection, ForceTexts, InteractionSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver,
+    OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, SizeDistribution, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.
@@ -34,6 +34,7 @@ pub(super) fn keys(scene: &Scene) -> Keys {
         resolution,
         method,
         bodies,
+        interactions,
         contact,
         lubrication,
         time,
@@ -51,6 +52,9 @@ pub(super) fn keys(scene: &Scene) -> Keys {
         keys.extend(of_method(method, flow.model));
     }
     keys.extend(of_groups(scene, bodies));
+    for (number, interaction) in interactions.iter().enumerate() {
+        keys.extend(of_interaction(interaction).into_iter().map(|(key, value)| (format!("interactions[{number}].{key}"), value)));
+    }
     if !scene.scalar() {
         keys.extend(of_contact(contact));
         keys.extend(of_lubrication(lubrication.model));
@@ -72,7 +76,7 @@ pub(super) fn file_of(keys: &Keys) -> String {
     let (mut file, mut tables, mut group) = (String::new(), String::new(), None);
     for (key, value) in keys {
         let of_group = |name: &'static str| Some((name, key.strip_prefix(name)?.strip_prefix('[')?.split_once("].")?));
-        let Some((name, (number, key))) = ["bodies", "chains", "cells", "clusters"].into_iter().find_map(of_group) else {
+        let Some((name, (number, key))) = ["bodies", "chains", "cells", "clusters", "interactions"].into_iter().find_map(of_group) else {
             file += &format!("{key} = {value}\n");
             continue;
         };
@@ -340,6 +344,25 @@ fn of_friction(key: &str, law: &FrictionLaw) -> Keys {
     let others =
         [("rolling", rolling), ("twisting", twisting), ("critical_load", critical_load)].into_iter().filter(|(_, value)| *value > 0.0);
     std::iter::once(("coefficient", coefficient)).chain(others).map(|(name, value)| number(&format!("{key}.{name}"), value)).collect()
+}
+
+fn of_interaction(interaction: &InteractionSection) -> Keys {
+    let InteractionSection { name, force, constants } = interaction;
+    let texts = |key: &str, texts: &[String]| (key.to_owned(), Value::from_iter(texts).to_string());
+    let mut keys = vec![text("name", name)];
+    keys.extend(match force {
+        ForceTexts::Pair { force, reach } => vec![text("pair_force", force), number("reach", *reach)],
+        ForceTexts::Body { force, torque } => {
+            let torque = match &torque[..] {
+                [] => None,
+                [torque] => Some(text("torque", torque)),
+                torque => Some(texts("torque", torque)),
+            };
+            std::iter::once(texts("body_force", force)).chain(torque).collect()
+        }
+    });
+    keys.extend(constants.iter().map(|(name, value)| number(&format!("constants.{name}"), *value)));
+    keys
 }
 
 fn of_contact(contact: &ContactSection) -> Keys {

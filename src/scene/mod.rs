@@ -15,6 +15,7 @@ mod elsewhere;
 mod energy;
 mod entry;
 mod file;
+mod force_laws;
 mod group_keys;
 mod key;
 mod keys;
@@ -34,14 +35,15 @@ pub use bodies::{BodyGroup, Motion, Placement, Shape};
 pub use chains::{Chain, ChainShape, Joint};
 pub use clusters::{Cluster, ClusterForm};
 pub use difference::Difference;
+pub use force_laws::ForceLaw;
 pub use key::Key;
 pub use locations::Locations;
 pub use reference::{KeySection, SECTIONS};
 pub use region::Region;
 pub use sections::{
-    AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, LubricationModel,
-    LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection, ResolutionSection, Scheme, Spacing, Step,
-    TimeSection, Tolerance, Until,
+    AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, ForceTexts,
+    InteractionSection, LubricationModel, LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection,
+    ResolutionSection, Scheme, Spacing, Step, TimeSection, Tolerance, Until,
 };
 pub use sizes::SizeDistribution;
 
@@ -73,6 +75,8 @@ pub struct Scene {
     pub method: MethodSection,
     /// Groups of bodies that are alike, in the order of the file.
     pub bodies: Vec<BodyGroup>,
+    /// Forces on bodies that are given by expressions.
+    pub interactions: Vec<InteractionSection>,
     /// What happens between bodies that touch.
     pub contact: ContactSection,
     /// What happens between bodies that nearly touch.
@@ -101,6 +105,7 @@ impl Scene {
             resolution: None,
             method: MethodSection::default(),
             bodies: Vec::new(),
+            interactions: Vec::new(),
             contact: ContactSection::default(),
             lubrication: LubricationSection::default(),
             time: None,

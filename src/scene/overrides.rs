@@ -65,6 +65,8 @@ impl<'a> Change<'a> {
             ["cells", _, "diameter" | "radius", ..] => (2, vec!["diameter", "radius"]),
             ["cells" | "clusters", _, "count", ..] => (2, [&PLACEMENTS[..], &["rotation"]].concat()),
             [group, _, key, ..] if GROUPS.contains(group) && PLACEMENTS.contains(key) => (2, PLACEMENTS.to_vec()),
+            ["interactions", _, "pair_force"] => (2, vec!["body_force", "torque"]),
+            ["interactions", _, "body_force" | "torque", ..] => (2, vec!["pair_force", "reach"]),
             // a travel and an error belong to automatic steps only
             ["time", "step"] if !self.value.is_str() => (1, vec!["travel", "error"]),
             ["time", "travel" | "error"] => (1, vec!["step"]),

@@ -5,7 +5,8 @@ use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, M
 use crate::scene::key::Key;
 use crate::scene::sections::{
     AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, FLOW_KEYS, FRICTION_KEYS,
-    LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS, TIME_KEYS, UNTIL_KEYS,
+    INTERACTION_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS, TIME_KEYS,
+    UNTIL_KEYS,
 };
 
 /// A table of a scene file and the keys that it may have.
@@ -22,7 +23,7 @@ pub struct KeySection {
 }
 
 /// All sections, in the order of a scene file.
-pub const SECTIONS: [KeySection; 24] = [
+pub const SECTIONS: [KeySection; 25] = [
     KeySection { name: "top", written: "the top of the file", about: "What stands before the first section.", keys: &file::KEYS },
     KeySection { name: "domain", written: "[domain]", about: "The box and what bounds it.", keys: &DOMAIN_KEYS },
     KeySection {
@@ -86,6 +87,12 @@ pub const SECTIONS: [KeySection; 24] = [
     KeySection { name: "chains", written: "[[chains]]", about: "A group of chains or rings of beads.", keys: &CHAIN_KEYS },
     KeySection { name: "cells", written: "[[cells]]", about: "A group of red cells: membranes of beads.", keys: &CELL_KEYS },
     KeySection { name: "clusters", written: "[[clusters]]", about: "A group of rigid bodies made of balls.", keys: &CLUSTER_KEYS },
+    KeySection {
+        name: "interactions",
+        written: "[[interactions]]",
+        about: "A force on bodies that is given by an expression; any number of them act together.",
+        keys: &INTERACTION_KEYS,
+    },
     KeySection { name: "contact", written: "[contact]", about: "What happens between bodies that touch.", keys: &CONTACT_KEYS },
     KeySection {
         name: "contact.friction",
@@ -126,6 +133,9 @@ mod tests {
             "chains" => "[[chains]]\ncount = 1\nbeads = 4\nradius = 0.4\nstretch = \"rigid\"\n[time]\nend = 1.0",
             "cells" => "[[cells]]\ncount = 1\nbeads = 24\nradius = 0.15\nstretch = \"rigid\"\nbend = 0.1\n[time]\nend = 1.0",
             "clusters" => "[[clusters]]\ncount = 1\nshape = \"rod\"\nbeads = 3\nradius = 0.4",
+            "interactions" => {
+                "[[interactions]]\npair_force = \"k / r\"\nreach = 1.0\nconstants = { k = 1.0 }\n[[bodies]]\nradius = 0.5\ncount = 2"
+            }
             "domain.y" => "domain.y = { lower = [0.0, 0.0], upper = [0.0, 0.0] }\n[[bodies]]\nradius = 0.5\ncount = 2",
             "time.until" => "[[bodies]]\nradius = 0.5\ncount = 2\n[time]\nend = 1.0",
             "flow.drive.shear_rate" => "flow.drive.shear_rate = { amplitude = 0.1, frequency = 1.0 }\n[[bodies]]\nradius = 0.5\ncount = 2",
@@ -145,7 +155,7 @@ mod tests {
     fn path(section: &KeySection, key: &str) -> String {
         match (section.name, section.name.split_once('.')) {
             ("top", _) => key.to_owned(),
-            ("bodies" | "chains" | "cells" | "clusters", _) => format!("{}.0.{key}", section.name),
+            ("bodies" | "chains" | "cells" | "clusters" | "interactions", _) => format!("{}.0.{key}", section.name),
             (_, Some(("bodies", table))) => format!("bodies.0.{table}.{key}"),
             (name, _) => format!("{name}.{key}"),
         }

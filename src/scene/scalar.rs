@@ -8,7 +8,7 @@ use crate::scene::table::Table;
 const STILL: &str = "inclusions of a scalar do not move; remove it";
 
 /// Sections and keys, and why a scalar scene has none.
-const REFUSED: [(&str, &[&str], &str); 10] = [
+const REFUSED: [(&str, &[&str], &str); 11] = [
     ("gravity", &[], "a scalar and its inclusions have no weight; remove it"),
     ("flow", &["viscosity", "density"], "a scalar (flow.model = \"scalar\") is no fluid; remove it"),
     ("method", &["inverse"], "a scalar is always solved by multigrid; remove it"),
@@ -16,6 +16,7 @@ const REFUSED: [(&str, &[&str], &str); 10] = [
     ("chains", &[], STILL),
     ("cells", &[], STILL),
     ("clusters", &[], STILL),
+    ("interactions", &[], STILL),
     ("contact", &[], STILL),
     ("lubrication", &[], STILL),
     ("time", &[], STILL),

@@ -3,6 +3,7 @@
 mod contact;
 mod domain;
 mod flow;
+mod interactions;
 mod lubrication;
 mod method;
 mod output;
@@ -16,6 +17,8 @@ pub(in crate::scene) use domain::{AXIS_KEYS, KEYS as DOMAIN_KEYS, PROFILES};
 pub use domain::{AxisSection, DomainSection};
 pub(super) use flow::{DRIVE_KEYS, DRIVES, KEYS as FLOW_KEYS};
 pub use flow::{Drive, FlowModel, FlowSection};
+pub(super) use interactions::KEYS as INTERACTION_KEYS;
+pub use interactions::{ForceTexts, InteractionSection};
 pub(super) use lubrication::KEYS as LUBRICATION_KEYS;
 pub use lubrication::{LubricationModel, LubricationSection};
 pub(super) use method::KEYS as METHOD_KEYS;

@@ -1,5 +1,7 @@
 //! What every interaction and every stepper must keep, whichever it is: a new one is added to the lists here.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Motion, Twist},
@@ -9,7 +11,9 @@ use turbid::{
     flow::{Drive, InverseMethod, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
-    interaction::{Arrangement, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, Repulsion},
+    interaction::{
+        Arrangement, Expression, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, PairForceLaw, Repulsion,
+    },
     mechanics::{Setup, Suspension},
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
@@ -83,6 +87,10 @@ fn every_interaction_conforms(session: &Session) {
     conforms(session, &Repulsion { touch: 3.0, range: 0.4 });
     conforms(session, &Lubrication::new(1e-4));
     conforms(session, &Springs { stiffness: 2.0, reach: 0.5 });
+    for force in ["-2.5*(a + b)/r^4*exp(-gap/0.1)", "3*max(0, 0.3 - gap)^2", "0.2*sin(9*r) - b/a"] {
+        let expression = Expression::parse(force, &PairForceLaw::VARIABLES, &BTreeMap::new()).unwrap();
+        conforms(session, &PairForceLaw::new(force.into(), expression, 0.5, [1.0, 1.2]).unwrap());
+    }
 }
 
 fn a_step_that_is_too_long_for_an_interaction_is_refused_by_its_name(_: &Session) {

@@ -25,6 +25,7 @@ mod dry_cells;
 mod dry_clusters;
 mod effects;
 mod energy;
+mod expressions;
 mod fields;
 mod files;
 mod fitted;
@@ -147,6 +148,7 @@ fn main() {
         impacts::tests(),
         inertia::tests(),
         energy::tests(),
+        expressions::tests(),
         suspension::tests(),
         stress::tests(),
         fitted::tests(),

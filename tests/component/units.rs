@@ -8,7 +8,10 @@ use turbid::{
     motion::Simulation,
     observe,
     petsc::Session,
-    scene::{AxisSection, ChainShape, ClusterForm, ContactModel, Drive, FlowModel, Motion, Placement, Scene, Spacing, Step},
+    scene::{
+        AxisSection, ChainShape, ClusterForm, ContactModel, Drive, FlowModel, ForceTexts, InteractionSection, Motion, Placement, Scene,
+        Spacing, Step,
+    },
 };
 
 use crate::Test;
@@ -23,6 +26,7 @@ pub fn tests() -> Vec<Test> {
         Test::only_on(1, units_change_no_cluster_and_no_contact),
         Test::only_on(1, units_change_no_cluster_with_inertia),
         Test::only_on(1, units_change_nothing_that_is_dry),
+        Test::only_on(1, units_change_no_force_by_an_expression),
     ]
 }
 
@@ -80,6 +84,7 @@ impl Units {
         if let ContactModel::Gluey { gamma_min: Some(least) } = &mut scene.contact.model {
             self.one(least, if scene.flow.model.fluid() { [dimension - 1, 0, 0] } else { [1, -1, 0] });
         }
+        scene.interactions.iter_mut().for_each(|interaction| self.of_interaction(interaction));
         let time = scene.time.as_mut().unwrap();
         self.one(&mut time.end, [0, 1, 0]);
         if let Step::Fixed(step) = &mut time.step {
@@ -87,6 +92,22 @@ impl Units {
         }
         scene.bodies.iter_mut().for_each(|group| self.of_group(group, dimension));
         scene
+    }
+
+    /// An expression has no unit but in its constants, which their names tell.
+    fn of_interaction(self, interaction: &mut InteractionSection) {
+        if let ForceTexts::Pair { reach, .. } = &mut interaction.force {
+            self.one(reach, [1, 0, 0]);
+        }
+        for (name, constant) in &mut interaction.constants {
+            let powers = match name.as_str() {
+                "force" => [1, -2, 1],
+                "length" => [1, 0, 0],
+                "frequency" => [0, -1, 0],
+                _ => panic!("no constant here has the name {name}"),
+            };
+            self.one(constant, powers);
+        }
     }
 
     fn of_group(self, group: &mut turbid::scene::BodyGroup, dimension: i32) {
@@ -259,4 +280,18 @@ fn units_change_nothing_that_is_dry(session: &Session) {
                 clusters = [{ shape = \"rod\", beads = 4, radius = 0.3, centers = [[5.5, 1.5]], rotation = 0.5 }, \
                 { shape = \"cross\", radius = 0.3, centers = [[5.6, 3.5]], rotation = 0.2 }]\n";
     proof::<2>(session, "dry clusters and cells", text, &UNITS, 1e-6);
+}
+
+fn units_change_no_force_by_an_expression(session: &Session) {
+    let forces = "interactions = [\
+        { pair_force = \"-force * length^4 / r^4 * exp(-gap / length)\", reach = 1.5, constants = { force = 1.0, length = 1.5 } }, \
+        { body_force = [\"force * sin(2 * pi * frequency * time + 1) * cos(2 * pi * x / length)\", \"force * radius / length\"], \
+        torque = \"force * length * cos(y / length)\", constants = { force = 0.2, length = 7.2, frequency = 3.0 } }]\n";
+    for flow in ["model = \"stokes\"", "model = \"navier-stokes\", density = 1.0"] {
+        let text = format!("{}{forces}", clusters(flow, "model = \"inelastic\"", "pairwise"));
+        proof::<2>(session, &format!("forces by expressions, {flow}"), &text, &UNITS[..5], 1e-5);
+    }
+    let dry = "domain = { size = [9.0, 6.5], y = \"walls\" }\nflow = { model = \"none\" }\ncontact = { model = \"inelastic\" }\ntime = { end = 1.0, step = 0.01 }\n\
+        bodies = [{ radius = 0.4, centers = [[2.0, 2.0], [3.1, 2.4], [6.2, 1.2], [7.2, 3.2]] }]\n";
+    proof::<2>(session, "dry forces by expressions", &format!("{dry}{forces}"), &UNITS, 1e-6);
 }

@@ -256,6 +256,7 @@ impl<const D: usize> FittedFlow<D> {
             pressure_gradient: gradient,
             contact_forces: Vec::new(),
             pair_stress: None,
+            loads: Vec::new(),
             bond_stress: None,
             bond_forces: Vec::new(),
             cost: self.cost,

@@ -258,6 +258,7 @@ impl<const D: usize> FixedOperators<D> {
             walls: WallForces::none(),
             contact_forces,
             pair_stress: None,
+            loads: Vec::new(),
             bond_stress: None,
             bond_forces: Vec::new(),
             lubrication: None,

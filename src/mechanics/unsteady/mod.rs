@@ -264,6 +264,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             walls: WallForces::none(),
             contact_forces: vec![0.0; configuration.contacts.len()],
             pair_stress: None,
+            loads: Vec::new(),
             bond_stress: None,
             bond_forces: Vec::new(),
             lubrication: self.films_at_rest(configuration.centers)?,

@@ -176,6 +176,36 @@ fn a_gluey_or_repelling_sheared_suspension_in_two_halves_is_the_run_in_one() {
     halves_agree("sheared-repulsion", &brief, &[transform], &[2]);
 }
 
+/// Forces that depend on distances, places and time.
+const FORCES: &str = r#"
+[[interactions]]
+pair_force = "-0.5 * (a + b) / r^2"
+reach = 0.6
+[[interactions]]
+body_force = ["0.3 * sin(9 * time)", "k * cos(2 * pi * x / 8)"]
+torque = "0.2 * y"
+constants = { k = 0.4 }
+"#;
+
+#[test]
+fn forces_by_expressions_in_two_halves_are_the_run_in_one() {
+    let transform: &[&str] = &["method.inverse=transform"];
+    halves_agree("expressions-sheared", &format!("{SHEARED}{FORCES}"), &[transform], &[2]);
+    halves_agree("expressions-inertia", &format!("{INERTIA}{FORCES}"), &[&[]], &[2]);
+    halves_agree("expressions-dry", &format!("{DRY}{FORCES}"), &[&[]], &[1, 2]);
+}
+
+#[test]
+fn forces_by_expressions_are_the_same_on_any_number_of_ranks() {
+    for (name, text, tolerance) in [("sheared", SHEARED, 1000.0 * TOLERANCE), ("dry", DRY, SAME)] {
+        let here = folder(&format!("expressions-ranks-{name}"));
+        let scene = write(&here, &format!("{text}{FORCES}"));
+        let all = [1, 3].map(|ranks| bodies(&run(ranks, &scene, &here.join(ranks.to_string()), &[])));
+        let distance = difference(&all[0], &all[1]);
+        assert!(distance <= tolerance, "{name}: bodies differ by {distance:.1e}");
+    }
+}
+
 #[test]
 fn a_run_stopped_on_two_ranks_goes_on_with_one_or_three() {
     let here = folder("other-ranks");
