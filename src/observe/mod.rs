@@ -34,8 +34,10 @@ mod wave_vectors;
 
 pub use autocorrelation::{Autocorrelation, CorrelationTime, Correlations};
 pub use body::FrameBody;
+pub use bonded::cell_geometry::{CellGeometry, facets, mean_phase};
+pub use bonded::chain_geometry::ChainGeometry;
 pub use bonded::chains::ChainNumbers;
-pub use bonded::clusters::mean_orientation;
+pub use bonded::clusters::{aspect_ratio, longest_axis, mean_orientation};
 pub use bonded::membranes::MembraneNumbers;
 pub use cells::{CellCenters, inside};
 pub use displacements::{Diffusivity, Displacements, MeanSquares};

@@ -15,6 +15,7 @@ mod frames;
 mod instant;
 mod kept_rows;
 pub mod log;
+mod objects;
 mod pairs;
 mod picture;
 mod probe;
@@ -45,7 +46,7 @@ fn at_an_instant<const D: usize>() -> [Open<D>; 6] {
 }
 
 /// The outputs of a run in time after its series, in the order in which they write.
-fn in_time<const D: usize>() -> [Open<D>; 15] {
+fn in_time<const D: usize>() -> [Open<D>; 18] {
     [
         frames::wanted,
         checkpoint::wanted,
@@ -53,6 +54,9 @@ fn in_time<const D: usize>() -> [Open<D>; 15] {
         forces::wanted,
         protocol::wanted,
         energy::wanted,
+        objects::chains::wanted,
+        objects::cells::wanted,
+        objects::clusters::wanted,
         probe::wanted,
         charts::effort,
         settling::wanted,

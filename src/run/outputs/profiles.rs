@@ -20,7 +20,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::operators::signed,
     observe::{CellCenters, ProfileBody, ProfileContact, ProfileSums, Shear, SliceSample, Slices, inside},
-    output::{AXES, ProfileFrames, Summary, note, row_numbers, write_whole},
+    output::{AXES, ProfileFrames, Summary, row_numbers, write_whole},
     parallel::World,
     run::{FlowView, MotionView, Output, View},
     scene::{ContactModel, Scene},
@@ -57,11 +57,7 @@ impl ProfileFiles {
     /// # Errors
     /// What a run that goes on has measured cannot be read or written.
     fn open(world: &World, scene: &Scene, folder: &Path, time: f64) -> Result<ProfileFiles> {
-        let begun = world.on_first_rank(|| StepTable::begin_before(&folder.join(FRAMES), time).map(Some))?;
-        let table = begun.map(|begun| {
-            begun.lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
-            begun.table
-        });
+        let (table, _) = StepTable::open_before(world, &folder.join(FRAMES), time)?;
         let stress = !scene.dry() || scene.contact.model != ContactModel::None;
         Ok(ProfileFiles { folder: folder.to_owned(), table, axes: scene.output.profiles.clone(), every: scene.frame_interval(), stress })
     }
