@@ -52,6 +52,7 @@ mod methods;
 mod momentum;
 mod motion;
 mod near;
+mod objects;
 mod of_ones_own;
 mod outputs;
 mod ownership;
@@ -138,6 +139,7 @@ fn main() {
         units::tests(),
         near::tests(),
         of_ones_own::tests(),
+        objects::tests(),
         outputs::tests(),
         ownership::tests(),
         packing::tests(),
