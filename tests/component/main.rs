@@ -53,6 +53,7 @@ mod momentum;
 mod motion;
 mod near;
 mod objects;
+mod objects_resumed;
 mod of_ones_own;
 mod outputs;
 mod ownership;
@@ -140,6 +141,7 @@ fn main() {
         near::tests(),
         of_ones_own::tests(),
         objects::tests(),
+        objects_resumed::tests(),
         outputs::tests(),
         ownership::tests(),
         packing::tests(),

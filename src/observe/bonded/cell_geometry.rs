@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{Matrix3, SVector, Vector2, Vector3};
 
 use super::membranes::{axis, middle};
-use crate::interaction::Measure;
+use crate::{interaction::Measure, linalg::ROUNDING};
 
 /// A cell at an instant: the outline through the centres of its beads in 2D, the surface of triangles between them in 3D.
 ///
@@ -23,7 +23,7 @@ pub struct CellGeometry<const D: usize> {
     pub reduced: f64,
     /// Taylor's deformation `(L - B) / (L + B)` with the longest axis `L` and the shortest axis `B` (Taylor 1934, doi:10.1098/rspa.1934.0169).
     pub deformation: f64,
-    /// Angle from x of the long axis, as the first two axes of space see it, in radians, from `-pi/2` to `pi/2`.
+    /// Angle from x of the long axis, as the first two axes of space see it, in radians, from `-pi/2` to `pi/2`; not a number of a circle.
     pub inclination: f64,
 }
 
@@ -50,9 +50,15 @@ impl<const D: usize> CellGeometry<D> {
             boundary,
             reduced: enclosed.abs() / full,
             deformation: (long - short) / (long + short),
-            inclination: axis(&Vector2::new(spread.m11 - spread.m22, 2.0 * spread.m12)),
+            inclination: inclination(&spread),
         }
     }
+}
+
+/// See [`CellGeometry::inclination`].
+fn inclination(spread: &Matrix3<f64>) -> f64 {
+    let doubled = Vector2::new(spread.m11 - spread.m22, 2.0 * spread.m12);
+    if doubled.norm() <= ROUNDING * (spread.m11 + spread.m22) { f64::NAN } else { axis(&doubled) }
 }
 
 /// The largest and the smallest eigenvalue of a symmetric matrix, in 2D of its first two rows; not numbers where entries are none.
@@ -160,7 +166,8 @@ mod tests {
             let (step, found) = (TAU / count as f64, of_ring(&ellipse([1.5, 1.5], count, 0.3)));
             let (area, perimeter) = (0.5 * count as f64 * 2.25 * step.sin(), 3.0 * count as f64 * (0.5 * step).sin());
             assert!((found.enclosed - area).abs() < 1e-12 && (found.boundary - perimeter).abs() < 1e-12);
-            assert!((found.reduced - 0.5 * step / (0.5 * step).tan()).abs() < 1e-12 && found.deformation.abs() < 1e-12, "{found:?}");
+            assert!((found.reduced - 0.5 * step / (0.5 * step).tan()).abs() < 1e-12, "{found:?}");
+            assert!(found.deformation.abs() < 1e-12 && found.inclination.is_nan(), "{found:?}");
         }
     }
 
