@@ -128,6 +128,22 @@ def test_chains_and_cells_are_tied(chains):
     assert len(chains.frames[0].contacts.table.columns) > 4
 
 
+def test_tables_of_chains_and_cells_are_those_of_their_beads(chains):
+    table, cells = chains.chains, chains.cells
+    times = table.index.unique("time")
+    assert len(times) == len(chains.frames) and len(table) == 3 * len(times)
+    for time, frame in zip(times, chains.frames):
+        for chain in range(3):
+            bonds = frame.box.nearest(np.diff(frame.centres[5 * chain : 5 * chain + 5], axis=0))
+            row = table.loc[(time, chain)]
+            np.testing.assert_allclose(row[["end_to_end_x", "end_to_end_y"]], bonds.sum(axis=0), atol=1e-12)
+            assert row["contour_length"] == pytest.approx(np.linalg.norm(bonds, axis=1).sum())
+    np.testing.assert_allclose(cells["area"].xs(3, level="cell"), chains.series["enclosed_area"].loc[times], rtol=1e-12)
+    assert cells["tread"].iloc[0] == 0.0 and cells["tread"].iloc[-1] < 0.0
+    with pytest.raises(turbid.Missing, match="clusters.csv"):
+        chains.clusters  # noqa: B018
+
+
 def test_memories_of_gluey_contacts(dry):
     frame = dry.frames[-1]
     with stored(dry, -1) as file:

@@ -15,8 +15,10 @@ mod structure;
 mod transport;
 
 pub use body::FrameBody;
+pub use bonded::cell_geometry::{CellGeometry, facets, mean_phase};
+pub use bonded::chain_geometry::ChainGeometry;
 pub use bonded::chains::ChainNumbers;
-pub use bonded::clusters::mean_orientation;
+pub use bonded::clusters::{aspect_ratio, longest_axis, mean_orientation};
 pub use bonded::membranes::MembraneNumbers;
 pub use drag::{ForceCoefficients, Stream};
 pub use energy::EnergyRates;

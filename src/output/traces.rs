@@ -20,12 +20,15 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 40] = [
+const FILES: [&str; 46] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
     "forces.csv",
     "energy.csv",
+    "chains.csv",
+    "cells.csv",
+    "clusters.csv",
     "run.h5",
     BODY_TABLE,
     "bodies.xdmf",
@@ -57,6 +60,9 @@ const FILES: [&str; 40] = [
     ".series.csv.sums",
     ".forces.csv.sums",
     ".energy.csv.sums",
+    ".chains.csv.sums",
+    ".cells.csv.sums",
+    ".clusters.csv.sums",
     ".profile-frames.csv.sums",
     "contact-island.json",
     REPORT,
@@ -64,11 +70,14 @@ const FILES: [&str; 40] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 34] = [
+pub const KNOWN_FILES: [(&str, &str); 37] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies with prescribed motion, a row for each step"),
     ("energy.csv", "the balance of energy, a row for each step"),
+    ("chains.csv", "chains, a row for each of them at the time of every frame"),
+    ("cells.csv", "cells, a row for each of them at the time of every frame"),
+    ("clusters.csv", "rigid clusters, a row for each of them at the time of every frame"),
     (BODY_TABLE, "all bodies at the end"),
     ("picture.svg", "the end of the run"),
     ("picture.png", "the end of the run"),

@@ -137,6 +137,9 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         format!("of the fluid on {given} bodies with prescribed motion, after every step{coefficients}")
     });
     let energy = scene.output.energy.then(|| "kinetic energy, work, dissipation and losses in contacts, after every step".to_owned());
+    let tied = plan.interactions().is_some_and(|interactions| interactions.group_of().iter().any(Option::is_some));
+    let objects = (scene.time.is_some() && tied && scene.writes_objects())
+        .then(|| format!("a row of each chain, cell and cluster every {}", scene.frame_interval()));
     let pairs = scene.output.pairs.then(|| "distribution and neighbours, from the frames once the run has ended".to_owned());
     let structure_factor = scene.output.structure_factor.then(|| "along periodic axes, from the frames once the run has ended".to_owned());
     let autocorrelation = scene.output.velocity_autocorrelation.then(|| "from the frames once the run has ended".to_owned());
@@ -148,6 +151,7 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
         ("fields output", fields),
         ("forces output", forces),
         ("balance of energy", energy),
+        ("tables of objects", objects),
         ("pair distribution", pairs),
         ("structure factor", structure_factor),
         ("displacements", displacements),

@@ -2,6 +2,8 @@
 
 use std::{cell::OnceCell, path::Path};
 
+use nalgebra::SVector;
+
 use super::{
     column::SeriesEntry,
     motion_view::{ContactTotals, MotionView},
@@ -42,6 +44,7 @@ pub struct View<'a, const D: usize> {
 struct SharedMeasurements<const D: usize> {
     inertia: OnceCell<Option<InertialNumbers>>,
     contacts: OnceCell<Option<ContactTotals>>,
+    centers: OnceCell<Option<Vec<SVector<f64, D>>>>,
     chains: OnceCell<Option<ChainNumbers<D>>>,
     membranes: OnceCell<Option<MembraneNumbers>>,
 }
@@ -88,11 +91,17 @@ impl<'a, const D: usize> View<'a, D> {
         *self.found.contacts.get_or_init(|| Some(self.motion?.contact_totals(self.world)))
     }
 
+    /// The centres of all bodies, not moved back into the box, in a run in time.
+    pub fn whole_centers(&self) -> Option<&[SVector<f64, D>]> {
+        let centers = || Some(self.motion?.simulation.whole_state().centers());
+        self.found.centers.get_or_init(centers).as_deref()
+    }
+
     /// The chains; nothing without chains.
     pub fn chains(&self) -> Option<ChainNumbers<D>> {
         let of = |simulation: &Simulation<D>| match simulation.interactions().chains().is_empty() {
             true => None,
-            false => ChainNumbers::of(simulation.interactions(), &simulation.whole_state().centers()),
+            false => ChainNumbers::of(simulation.interactions(), self.whole_centers()?),
         };
         *self.found.chains.get_or_init(|| of(self.motion?.simulation))
     }
@@ -101,7 +110,7 @@ impl<'a, const D: usize> View<'a, D> {
     pub fn membranes(&self) -> Option<&MembraneNumbers> {
         let of = |simulation: &Simulation<D>| match simulation.interactions().conserved().is_empty() {
             true => None,
-            false => MembraneNumbers::of(simulation.interactions(), &simulation.whole_state().centers()),
+            false => MembraneNumbers::of(simulation.interactions(), self.whole_centers()?),
         };
         self.found.membranes.get_or_init(|| of(self.motion?.simulation)).as_ref()
     }

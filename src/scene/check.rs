@@ -18,6 +18,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_chains(scene)?;
     check_clusters(scene)?;
     check_colour(scene)?;
+    check_objects(scene)?;
     check_plane(scene)?;
     check_spacing(scene)?;
     check_modes(scene)?;
@@ -124,6 +125,13 @@ fn check_colour(scene: &Scene) -> Result<()> {
     let sheared = AffineFlow::of(scene).is_some();
     let remedy = "is relative to a shear, which neither walls nor the box impose; remove it";
     expect(scene, sheared || scene.output.colour != Colour::NonAffine, "output.colour", "\"nonaffine\"", remedy)
+}
+
+/// Refuses tables of objects where there are none.
+fn check_objects(scene: &Scene) -> Result<()> {
+    let tied = scene.bodies.iter().any(BodyGroup::together);
+    let remedy = "tells of chains, cells and clusters, and there are none; remove it";
+    expect(scene, tied || scene.output.objects != Some(true), "output.objects", "true", remedy)
 }
 
 fn check_spacing(scene: &Scene) -> Result<()> {

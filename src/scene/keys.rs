@@ -408,6 +408,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         every,
         fields,
         vorticity,
+        objects,
         checkpoint,
         probe,
         pairs,
@@ -432,6 +433,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         keys.push(pair("output.displacements", displacements));
         keys.push(pair("output.velocity_autocorrelation", velocity_autocorrelation));
         keys.push(number("output.checkpoint", *checkpoint));
+        keys.extend(objects.map(|objects| pair("output.objects", objects)));
     }
     keys.extend(fields.filter(|_| model.fluid()).map(|fields| pair("output.fields", fields)));
     keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));

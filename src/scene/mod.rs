@@ -140,6 +140,11 @@ impl Scene {
         self.stores_fields() && (self.output.vorticity || self.output.colour == Colour::Vorticity)
     }
 
+    /// Whether chains, cells and clusters have tables, where there are any.
+    pub fn writes_objects(&self) -> bool {
+        self.output.objects != Some(false)
+    }
+
     /// Its title, or else its name.
     pub fn shown_title(&self) -> &str {
         if self.title.is_empty() { &self.name } else { &self.title }

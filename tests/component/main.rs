@@ -53,6 +53,8 @@ mod methods;
 mod momentum;
 mod motion;
 mod near;
+mod objects;
+mod objects_resumed;
 mod of_ones_own;
 mod outputs;
 mod ownership;
@@ -139,6 +141,8 @@ fn main() {
         units::tests(),
         near::tests(),
         of_ones_own::tests(),
+        objects::tests(),
+        objects_resumed::tests(),
         outputs::tests(),
         ownership::tests(),
         packing::tests(),

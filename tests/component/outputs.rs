@@ -24,6 +24,7 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(every_output_conforms_in_a_flow),
         Test::of(every_output_conforms_in_a_dry_run),
+        Test::of(every_output_conforms_where_bodies_are_tied),
         Test::of(every_output_conforms_at_an_instant),
         Test::of(a_new_output_is_told_of_each_instant_once),
         Test::of(a_run_of_another_dimension_is_refused),
@@ -68,6 +69,14 @@ fn every_output_conforms_in_a_flow(session: &Session) {
 
 fn every_output_conforms_in_a_dry_run(session: &Session) {
     conform(session, dry(), 14);
+}
+
+fn every_output_conforms_where_bodies_are_tied(session: &Session) {
+    let text = "gravity = [0.0, -1.0]\ndomain = { size = [8.0, 8.0], y = \"walls\" }\nflow = { model = \"none\" }\ncontact = { model = \"inelastic\" }\n\
+                time = { end = 0.3, step = 0.1 }\noutput = { picture = false, report = false, checkpoint = 0 }\n\
+                chains = [{ count = 1, beads = 3, radius = 0.3, stretch = \"rigid\" }]\nclusters = [{ count = 1, shape = \"rod\", beads = 2, radius = 0.3 }]\n\
+                cells = [{ count = 1, beads = 24, radius = 0.15, stretch = \"rigid\", bend = 0.05 }]\n";
+    conform(session, Scene::parse("tied", Path::new("."), text, &[]).unwrap(), 9);
 }
 
 fn every_output_conforms_at_an_instant(session: &Session) {

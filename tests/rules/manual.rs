@@ -225,6 +225,10 @@ fn the_reference_of_outputs_has_every_file_column_and_dataset() {
         "volume_error",
         "courant",
         "lift_z_0",
+        "end_to_end_x",
+        "phase",
+        "reduced_volume",
+        "rotation_z",
         "dissipated_films",
         "faces/topology",
         "fields/vorticity",
@@ -236,7 +240,8 @@ fn the_reference_of_outputs_has_every_file_column_and_dataset() {
 /// Names of the files of a run, of the columns of its tables and of the datasets of its last frame.
 fn names(out: &Path) -> BTreeSet<String> {
     let files = fs::read_dir(out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).filter(|name| name != "frames");
-    let columns = ["series.csv", "forces.csv", "energy.csv"].into_iter().filter_map(|table| fs::read_to_string(out.join(table)).ok());
+    let tables = ["series.csv", "forces.csv", "energy.csv", "chains.csv", "cells.csv", "clusters.csv"];
+    let columns = tables.into_iter().filter_map(|table| fs::read_to_string(out.join(table)).ok());
     let columns = columns.flat_map(|table| table.lines().next().unwrap().split(',').map(of_body_0).collect::<Vec<_>>());
     let mut frames: Vec<PathBuf> = fs::read_dir(out.join("frames")).unwrap().map(|entry| entry.unwrap().path()).collect();
     frames.sort();

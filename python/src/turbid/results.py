@@ -60,6 +60,7 @@ class Run:
         self._series = Cached(self.folder / "series.csv", read_table)
         self._forces = Cached(self.folder / "forces.csv", read_table)
         self._energy = Cached(self.folder / "energy.csv", read_table)
+        self._objects = {name: Cached(self.folder / f"{name}s.csv", read_table) for name in ("chain", "cell", "cluster")}
         self._displacements = Cached(self.folder / "displacements.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
         self._structure_factor = Cached(self.folder / "structure-factor.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
         self._autocorrelation = Cached(self.folder / "velocity-autocorrelation.csv", lambda path: numbers(path.read_text(encoding="utf-8")))
@@ -122,6 +123,22 @@ class Run:
     def energy(self) -> pd.DataFrame:
         """``energy.csv``: the balance of energy of a flow with inertia, a row for each step, indexed by time."""
         return self._needed(self._energy.get(), "energy.csv: it takes a flow with inertia and output.energy = true").copy()
+
+    @property
+    def chains(self) -> pd.DataFrame:
+        """``chains.csv``: centre, end-to-end vector, contour length, radius of gyration and angle of each chain, indexed by time and number."""
+        return self._rows_of("chain")
+
+    @property
+    def cells(self) -> pd.DataFrame:
+        """``cells.csv``: centre, area, perimeter, deformation, inclination and tank-treading angle of each cell (3D: volume and surface), indexed by time
+        and number."""
+        return self._rows_of("cell")
+
+    @property
+    def clusters(self) -> pd.DataFrame:
+        """``clusters.csv``: centre and orientation of each rigid cluster, indexed by time and number."""
+        return self._rows_of("cluster")
 
     @property
     def bodies(self) -> pd.DataFrame:
@@ -314,6 +331,13 @@ class Run:
         if series is not None and len(series):
             return np.asarray(series.index, dtype=float)
         return self.frames.times
+
+    def _rows_of(self, kind: str) -> pd.DataFrame:
+        """The table of all objects of a kind, by time and number."""
+        missing = f"{kind}s.csv: it takes a run in time with [[{kind}s]], and not output.objects = false"
+        table = self._needed(self._objects[kind].get(), missing)
+        # before its first row a table has no names
+        return (table if kind in table else table.rename(columns={"step": kind})).set_index(kind, append=True)
 
     def _needed(self, found: T | None, what: str) -> T:
         if found is None:

@@ -63,7 +63,7 @@ fn curvature<const D: usize>(interactions: &Interactions<D>, centers: &[SVector<
 }
 
 /// The mean of `x x` over all beads of a chain, `x` being their places from its middle.
-fn gyration_tensor<const D: usize>(beads: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
+pub(super) fn gyration_tensor<const D: usize>(beads: &[SVector<f64, D>]) -> SMatrix<f64, D, D> {
     let middle = beads.iter().sum::<SVector<f64, D>>() / beads.len() as f64;
     beads.iter().map(|bead| (bead - middle) * (bead - middle).transpose()).sum::<SMatrix<f64, D, D>>() / beads.len() as f64
 }

@@ -52,7 +52,8 @@ fn outline<const D: usize>(centers: &[SVector<f64, D>], conserved: &Conserved) -
     centers[conserved.bodies.clone()].iter().map(flat).collect()
 }
 
-fn middle(ring: &[Vector2<f64>]) -> Vector2<f64> {
+/// The mean place.
+pub(super) fn middle(ring: &[Vector2<f64>]) -> Vector2<f64> {
     ring.iter().sum::<Vector2<f64>>() / ring.len() as f64
 }
 
@@ -67,7 +68,7 @@ fn orientation(ring: &[Vector2<f64>]) -> Vector2<f64> {
 }
 
 /// The angle of an axis with this orientation.
-fn axis(orientation: &Vector2<f64>) -> f64 {
+pub(super) fn axis(orientation: &Vector2<f64>) -> f64 {
     0.5 * orientation.y.atan2(orientation.x)
 }
 

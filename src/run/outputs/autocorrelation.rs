@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::configurations::{Configurations, steady_from};
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     observe::Autocorrelation,
@@ -14,6 +15,11 @@ use crate::{
 pub struct AutocorrelationFiles {
     /// Where the files go, and where the frames are.
     pub folder: PathBuf,
+}
+
+/// With `output.velocity_autocorrelation`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.velocity_autocorrelation, |context| AutocorrelationFiles { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for AutocorrelationFiles {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     observe::Part,
@@ -20,6 +21,16 @@ pub struct ViscosityChart {
 pub struct EffortChart {
     /// Where it goes, and where the series is.
     pub folder: PathBuf,
+}
+
+/// The chart of the viscosity, of every run in time.
+pub fn viscosity<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(true, |context| ViscosityChart { folder: context.path() })
+}
+
+/// The chart of costs, with `output.picture`.
+pub fn effort<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.picture, |context| EffortChart { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for ViscosityChart {

@@ -9,6 +9,7 @@ use std::{
 
 use nalgebra::{SMatrix, SVector, Vector2};
 
+use super::context::{Context, Wanted};
 use crate::{
     body::{Twist, components, planes, skew},
     contact::{AdhesiveContact, Identity, pack, packed_length, unpack},
@@ -46,9 +47,14 @@ pub struct CheckpointFile {
     last: Instant,
 }
 
+/// Of every run in time.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(true, |context| CheckpointFile::new(context.folder, context.texts.to_vec(), context.scene.output.checkpoint))
+}
+
 impl CheckpointFile {
     /// None yet.
-    pub fn new(folder: &Path, texts: Vec<(&'static str, String)>, interval: f64) -> CheckpointFile {
+    fn new(folder: &Path, texts: Vec<(&'static str, String)>, interval: f64) -> CheckpointFile {
         CheckpointFile { path: folder.join(CHECKPOINT), texts, interval, last: Instant::now() }
     }
 

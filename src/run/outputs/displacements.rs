@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::configurations::{Configurations, steady_from};
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     observe::Displacements,
@@ -14,6 +15,11 @@ use crate::{
 pub struct DisplacementFiles {
     /// Where the files go, and where the frames are.
     pub folder: PathBuf,
+}
+
+/// With `output.displacements`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.displacements, |context| DisplacementFiles { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for DisplacementFiles {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::cell::{Cell, count, real};
+use super::context::{Context, Wanted, boxed};
 use super::step_table::StepTable;
 use crate::{
     error::{Error, Result},
@@ -41,12 +42,21 @@ struct Balance {
     by_contacts: f64,
 }
 
+/// With `output.energy`. Collective.
+///
+/// # Errors
+/// As [`EnergyFile::open`].
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    let Some(simulation) = context.simulation.filter(|_| context.scene.output.energy) else { return Ok(None) };
+    Ok(Some(boxed(EnergyFile::open(context.world, context.folder, simulation)?)))
+}
+
 impl EnergyFile {
     /// Opens it for what comes from the state of the simulation on. Collective.
     ///
     /// # Errors
     /// The file cannot be read or written, or rows that are needed to go on are lost.
-    pub fn open<const D: usize>(world: &World, folder: &Path, simulation: &Simulation<D>) -> Result<EnergyFile> {
+    fn open<const D: usize>(world: &World, folder: &Path, simulation: &Simulation<D>) -> Result<EnergyFile> {
         let path = folder.join(NAME);
         let (table, kept) = StepTable::open(world, &path, simulation.state().steps)?;
         let known = Balance::read(&world.broadcast(0, &kept));

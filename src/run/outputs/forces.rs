@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::SVector;
 
 use super::cell::{Cell, absent, count, real};
+use super::context::{Context, Wanted, boxed};
 use super::step_table::StepTable;
 use crate::{
     body::components,
@@ -31,12 +32,21 @@ pub struct ForcesFile<const D: usize> {
     stream: Option<Stream<D>>,
 }
 
+/// Of a flow in time in which motions are given, of not too many bodies for a row. Collective.
+///
+/// # Errors
+/// As [`ForcesFile::open`].
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    let Some(simulation) = context.simulation else { return Ok(None) };
+    Ok(ForcesFile::open(context.world, context.scene, context.folder, simulation)?.map(boxed))
+}
+
 impl<const D: usize> ForcesFile<D> {
     /// Opens it for what comes from the state of the simulation on; nothing where no motions are given, or too many for a row. Collective.
     ///
     /// # Errors
     /// The file cannot be read or written, or coefficients are asked for of too many bodies.
-    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<Option<ForcesFile<D>>> {
+    fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<Option<ForcesFile<D>>> {
         let Some(suspension) = simulation.suspension() else { return Ok(None) };
         let bodies = suspension.setup().given_motions();
         let reference = &scene.output.reference_velocity;

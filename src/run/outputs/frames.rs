@@ -8,6 +8,7 @@ use std::{
 
 use nalgebra::SVector;
 
+use super::context::{Context, Wanted, boxed};
 use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
@@ -38,12 +39,21 @@ pub struct FrameFiles<const D: usize> {
     contact: ContactModel,
 }
 
+/// Of every run in time. Collective.
+///
+/// # Errors
+/// As [`FrameFiles::open`].
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    let Some(simulation) = context.simulation else { return Ok(None) };
+    Ok(Some(boxed(FrameFiles::open(context.world, context.scene, context.folder, simulation)?)))
+}
+
 impl<const D: usize> FrameFiles<D> {
     /// Opens them for what comes from the state of the simulation on. Collective.
     ///
     /// # Errors
     /// Frames of the run so far cannot be read or removed.
-    pub fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<FrameFiles<D>> {
+    fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<FrameFiles<D>> {
         let frames = match simulation.state().steps {
             0 => Frames::create(world, folder)?,
             _ => {

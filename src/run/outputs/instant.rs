@@ -4,7 +4,11 @@ use std::path::PathBuf;
 
 use nalgebra::SMatrix;
 
-use super::{fields::FlowFields, frames::INDICES};
+use super::{
+    context::{Context, Wanted},
+    fields::FlowFields,
+    frames::INDICES,
+};
 use crate::{
     error::Result,
     geometry::Ball,
@@ -18,6 +22,11 @@ use crate::{
 pub struct InstantFrame {
     /// Where it goes.
     pub folder: PathBuf,
+}
+
+/// Where frames hold fields.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.stores_fields(), |context| InstantFrame { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for InstantFrame {

@@ -6,6 +6,7 @@ mod charts;
 mod checkpoint;
 mod checksums;
 mod configurations;
+mod context;
 mod displacements;
 mod energy;
 mod fields;
@@ -14,6 +15,7 @@ mod frames;
 mod instant;
 mod kept_rows;
 pub mod log;
+mod objects;
 mod pairs;
 mod picture;
 mod probe;
@@ -30,9 +32,42 @@ use std::path::Path;
 
 use crate::{error::Result, motion::Simulation, output::CurvePoint, parallel::World, run::Output, scene::Scene};
 pub use checkpoint::restore;
+use context::{Context, Wanted, boxed};
 
 /// Outputs of a run, in the order in which they write.
 pub type Outputs<const D: usize> = Vec<Box<dyn Output<D>>>;
+
+/// Opens an output if a scene calls for it.
+type Open<const D: usize> = fn(&Context<D>) -> Wanted<D>;
+
+/// The outputs of an instant, in the order in which they write.
+fn at_an_instant<const D: usize>() -> [Open<D>; 6] {
+    [picture::wanted, instant::wanted, probe::wanted, pairs::wanted, structure_factor::wanted, profiles::wanted]
+}
+
+/// The outputs of a run in time after its series, in the order in which they write.
+fn in_time<const D: usize>() -> [Open<D>; 18] {
+    [
+        frames::wanted,
+        checkpoint::wanted,
+        charts::viscosity,
+        forces::wanted,
+        protocol::wanted,
+        energy::wanted,
+        objects::chains::wanted,
+        objects::cells::wanted,
+        objects::clusters::wanted,
+        probe::wanted,
+        charts::effort,
+        settling::wanted,
+        picture::wanted,
+        pairs::wanted,
+        structure_factor::wanted,
+        displacements::wanted,
+        autocorrelation::wanted,
+        profiles::wanted,
+    ]
+}
 
 /// The outputs that a scene asks for, in the order in which they write, and the viscosity of the run so far (on the first rank).
 ///
@@ -47,82 +82,22 @@ pub fn outputs<const D: usize>(
     texts: Vec<(&'static str, String)>,
     simulation: Option<&Simulation<D>>,
 ) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
-    let path = || folder.to_owned();
+    let context = Context { world, scene, folder, texts: &texts, simulation };
     let began = simulation.filter(|simulation| simulation.state().steps > 0).map(|simulation| simulation.state().time);
-    let log: Box<dyn Output<D>> = Box::new(log::RunLog::open(world, folder, began, scene.end())?);
-    let probe = scene.output.probe.map(|points| Box::new(probe::ProbeFile { folder: path(), points }) as Box<dyn Output<D>>);
-    let picture = scene.output.picture.then(|| Box::new(picture::PictureFile { folder: path() }) as Box<dyn Output<D>>);
-    let pairs = scene.output.pairs.then(|| Box::new(pairs::PairFiles { folder: path() }) as Box<dyn Output<D>>);
-    let structure_factor =
-        scene.output.structure_factor.then(|| Box::new(structure_factor::StructureFactorFiles { folder: path() }) as Box<dyn Output<D>>);
-    let time = simulation.map_or(0.0, |simulation| simulation.state().time);
-    let profiles = match scene.output.profiles.is_empty() {
-        true => None,
-        false => Some(Box::new(profiles::ProfileFiles::open(world, scene, folder, time)?) as Box<dyn Output<D>>),
-    };
+    let log = log::RunLog::open(world, folder, began, scene.end())?;
+    let (mut all, mut points): (Outputs<D>, _) = (Vec::new(), Vec::new());
+    if let Some(simulation) = simulation {
+        let (series, so_far) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
+        all.push(boxed(series));
+        // a mean over all strains means nothing where the rate changes
+        points = if scene.changing_shear().is_some() { Vec::new() } else { so_far };
+    }
+    let list = if simulation.is_some() { in_time().to_vec() } else { at_an_instant().to_vec() };
+    for open in list {
+        all.extend(open(&context)?);
+    }
+    all.push(boxed(log));
     // last, since it shows what the others have written
-    let report = scene.output.report.then(|| Box::new(report::ReportFile::new(world, scene, folder)) as Box<dyn Output<D>>);
-    let Some(simulation) = simulation else {
-        let frame = scene.stores_fields().then(|| Box::new(instant::InstantFrame { folder: path() }) as Box<dyn Output<D>>);
-        let all =
-            picture.into_iter().chain(frame).chain(probe).chain(pairs).chain(structure_factor).chain(profiles).chain([log]).chain(report);
-        return Ok((all.collect(), Vec::new()));
-    };
-    let (mut all, points) = of_steps(world, scene, folder, texts, simulation)?;
-    all.extend(probe);
-    if scene.output.picture {
-        all.push(Box::new(charts::EffortChart { folder: path() }));
-    }
-    if scene.gravity.is_some() {
-        all.push(Box::new(settling::MeanSettling { folder: path() }));
-    }
-    let displacements =
-        scene.output.displacements.then(|| Box::new(displacements::DisplacementFiles { folder: path() }) as Box<dyn Output<D>>);
-    let autocorrelation = scene
-        .output
-        .velocity_autocorrelation
-        .then(|| Box::new(autocorrelation::AutocorrelationFiles { folder: path() }) as Box<dyn Output<D>>);
-    all.extend(
-        picture
-            .into_iter()
-            .chain(pairs)
-            .chain(structure_factor)
-            .chain(displacements)
-            .chain(autocorrelation)
-            .chain(profiles)
-            .chain([log])
-            .chain(report),
-    );
-    Ok((all, points))
-}
-
-/// Those that write after every step or so, and the viscosity of the run so far.
-fn of_steps<const D: usize>(
-    world: &World,
-    scene: &Scene,
-    folder: &Path,
-    texts: Vec<(&'static str, String)>,
-    simulation: &Simulation<D>,
-) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
-    let (series, mut points) = series::SeriesFile::open(world, folder, simulation.state().steps)?;
-    if scene.changing_shear().is_some() {
-        // a mean over all strains means nothing
-        points.clear();
-    }
-    let mut all: Outputs<D> = vec![
-        Box::new(series),
-        Box::new(frames::FrameFiles::open(world, scene, folder, simulation)?),
-        Box::new(checkpoint::CheckpointFile::new(folder, texts, scene.output.checkpoint)),
-        Box::new(charts::ViscosityChart { folder: folder.to_owned() }),
-    ];
-    if let Some(forces) = forces::ForcesFile::open(world, scene, folder, simulation)? {
-        all.push(Box::new(forces));
-    }
-    if scene.changing_shear().is_some() {
-        all.push(Box::new(protocol::ProtocolFiles { folder: folder.to_owned() }));
-    }
-    if scene.output.energy {
-        all.push(Box::new(energy::EnergyFile::open(world, folder, simulation)?));
-    }
+    all.extend(report::wanted(&context)?);
     Ok((all, points))
 }

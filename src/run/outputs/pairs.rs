@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::configurations::{Configurations, box_of, first_time, steady_from};
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     geometry::{Ball, Domain},
@@ -16,6 +17,11 @@ use crate::{
 pub struct PairFiles {
     /// Where the files go, and where the frames are.
     pub folder: PathBuf,
+}
+
+/// With `output.pairs`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.pairs, |context| PairFiles { folder: context.path() })
 }
 
 /// The bodies that are looked at.

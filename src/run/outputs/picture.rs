@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     observe::{Plane, picture, species_of},
@@ -17,6 +18,11 @@ const WIDTH: usize = 800;
 pub struct PictureFile {
     /// Where it goes.
     pub folder: PathBuf,
+}
+
+/// With `output.picture`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.picture, |context| PictureFile { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for PictureFile {

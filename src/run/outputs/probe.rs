@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::context::{Context, Wanted, boxed};
 use crate::{
     error::Result,
     observe::velocity_probe,
@@ -15,6 +16,11 @@ pub struct ProbeFile {
     pub folder: PathBuf,
     /// Points along each axis.
     pub points: usize,
+}
+
+/// With `output.probe`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    Ok(context.scene.output.probe.map(|points| boxed(ProbeFile { folder: context.path(), points })))
 }
 
 impl<const D: usize> Output<D> for ProbeFile {

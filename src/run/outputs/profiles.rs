@@ -10,6 +10,7 @@ use std::{
 use nalgebra::SVector;
 
 use super::cell::{Cell, count, finite, real};
+use super::context::{Context, Wanted, boxed};
 use super::step_table::StepTable;
 use super::{configurations::steady_from, frames::frame_due};
 use crate::{
@@ -19,7 +20,7 @@ use crate::{
     geometry::{Ball, Domain},
     grid::operators::signed,
     observe::{CellCenters, ProfileBody, ProfileContact, ProfileSums, Shear, SliceSample, Slices, inside},
-    output::{AXES, ProfileFrames, Summary, note, row_numbers, write_whole},
+    output::{AXES, ProfileFrames, Summary, row_numbers, write_whole},
     parallel::World,
     run::{FlowView, MotionView, Output, View},
     scene::{ContactModel, Scene},
@@ -39,17 +40,24 @@ pub struct ProfileFiles {
     stress: bool,
 }
 
+/// With `output.profiles`. Collective.
+///
+/// # Errors
+/// As [`ProfileFiles::open`].
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    if context.scene.output.profiles.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some(boxed(ProfileFiles::open(context.world, context.scene, context.folder, context.time())?)))
+}
+
 impl ProfileFiles {
     /// Opens them, without what was measured from a time on. Collective.
     ///
     /// # Errors
     /// What a run that goes on has measured cannot be read or written.
-    pub fn open(world: &World, scene: &Scene, folder: &Path, time: f64) -> Result<ProfileFiles> {
-        let begun = world.on_first_rank(|| StepTable::begin_before(&folder.join(FRAMES), time).map(Some))?;
-        let table = begun.map(|begun| {
-            begun.lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
-            begun.table
-        });
+    fn open(world: &World, scene: &Scene, folder: &Path, time: f64) -> Result<ProfileFiles> {
+        let (table, _) = StepTable::open_before(world, &folder.join(FRAMES), time)?;
         let stress = !scene.dry() || scene.contact.model != ContactModel::None;
         Ok(ProfileFiles { folder: folder.to_owned(), table, axes: scene.output.profiles.clone(), every: scene.frame_interval(), stress })
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     geometry::Protocol,
@@ -14,6 +15,11 @@ use crate::{
 pub struct ProtocolFiles {
     /// Where it goes, and where the series is.
     pub folder: PathBuf,
+}
+
+/// Of a shear whose rate changes.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.changing_shear().is_some(), |context| ProtocolFiles { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for ProtocolFiles {

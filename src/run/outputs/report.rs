@@ -5,6 +5,7 @@ use std::{
     time::{Instant, SystemTime},
 };
 
+use super::context::{Context, Wanted};
 use crate::{
     error::{Error, Result},
     output::{Answer, MeanViscosity, REPORT, Standing, Summary, date, duration, note, viscosity_too_short, write_whole},
@@ -30,9 +31,14 @@ pub struct ReportFile {
     answers: (Vec<Answer>, Option<MeanViscosity>),
 }
 
+/// With `output.report`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.report, |context| ReportFile::new(context.world, context.scene, context.folder))
+}
+
 impl ReportFile {
     /// For a scene's run in a folder.
-    pub fn new(world: &World, scene: &Scene, folder: &Path) -> ReportFile {
+    fn new(world: &World, scene: &Scene, folder: &Path) -> ReportFile {
         let page = (world.rank() == 0).then(|| PageOfRun::new(scene, folder, world.size()));
         ReportFile { page, folder: folder.to_owned(), written: None, reached: String::new(), answers: (Vec::new(), None) }
     }

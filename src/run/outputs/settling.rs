@@ -6,6 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     output::{Columns, Summary},
@@ -19,6 +20,11 @@ const COLUMNS: [&str; 3] = ["body_velocity_x", "body_velocity_y", "body_velocity
 pub struct MeanSettling {
     /// Where the series is.
     pub folder: PathBuf,
+}
+
+/// Where there is gravity.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.gravity.is_some(), |context| MeanSettling { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for MeanSettling {

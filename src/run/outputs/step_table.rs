@@ -48,8 +48,19 @@ impl StepTable {
     /// # Errors
     /// [`Error::File`] when the file cannot be read or written; [`Error::Refused`] when it is not one of ours, or was changed.
     pub fn open(world: &World, path: &Path, step: usize) -> Result<(Option<StepTable>, String)> {
-        let begun = world.on_first_rank(|| StepTable::begin(path, step).map(Some))?;
-        let Some(Begun { table, kept, lost }) = begun else { return Ok((None, String::new())) };
+        StepTable::opened(world, || StepTable::begin(path, step))
+    }
+
+    /// The same of a table with several rows for each time, which stand in its first column: those before `time` stay. Collective.
+    ///
+    /// # Errors
+    /// As [`open`](StepTable::open).
+    pub fn open_before(world: &World, path: &Path, time: f64) -> Result<(Option<StepTable>, String)> {
+        StepTable::opened(world, || StepTable::go_on(path, kept_lines(path, &|first| first < time)?.0))
+    }
+
+    fn opened(world: &World, begin: impl FnOnce() -> Result<Begun>) -> Result<(Option<StepTable>, String)> {
+        let Some(Begun { table, kept, lost }) = world.on_first_rank(|| begin().map(Some))? else { return Ok((None, String::new())) };
         lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
         Ok((Some(table), kept))
     }
@@ -61,14 +72,6 @@ impl StepTable {
         let missing = (rows < step).then(lost);
         let Begun { table, kept, lost } = StepTable::go_on(path, kept)?;
         Ok(Begun { table, kept, lost: missing.into_iter().chain(lost).collect() })
-    }
-
-    /// A table with several rows for each time, which stand in its first column: those before `time` stay. On one rank alone.
-    ///
-    /// # Errors
-    /// As [`open`](StepTable::open).
-    pub fn begin_before(path: &Path, time: f64) -> Result<Begun> {
-        StepTable::go_on(path, kept_lines(path, &|first| first < time)?.0)
     }
 
     fn go_on(path: &Path, kept: String) -> Result<Begun> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::SVector;
 
 use super::configurations::{Configurations, box_of, first_time, steady_from};
+use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     geometry::Domain,
@@ -17,6 +18,11 @@ use crate::{
 pub struct StructureFactorFiles {
     /// Where the files go, and where the frames are.
     pub folder: PathBuf,
+}
+
+/// With `output.structure_factor`.
+pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
+    context.when(context.scene.output.structure_factor, |context| StructureFactorFiles { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for StructureFactorFiles {

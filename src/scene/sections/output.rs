@@ -12,7 +12,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 17] = [
+pub(in crate::scene) const KEYS: [Key; 18] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -44,6 +44,15 @@ pub(in crate::scene) const KEYS: [Key; 17] = [
     )
     .default("true in time, false at an instant"),
     Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.").default("false"),
+    Key::new(
+        "objects",
+        "true or false",
+        "false",
+        "Whether chains.csv, cells.csv and clusters.csv are written: a row of each chain, cell and rigid cluster at the time of every frame, and when one \
+        has turned by a quarter since its last row.",
+    )
+    .default("true where there are such objects")
+    .needs("time.end = 1.0"),
     Key::new("checkpoint", "number", "60", "Seconds of wall time between checkpoints; 0 writes one after every step.")
         .unit("seconds")
         .default("600")
@@ -133,6 +142,8 @@ pub struct OutputSection {
     pub fields: Option<bool>,
     /// Whether frames that hold the flow hold its vorticity too, also where nothing is coloured by it.
     pub vorticity: bool,
+    /// Whether chains, cells and clusters have tables; absent means where there are any.
+    pub objects: Option<bool>,
     /// Seconds of wall time between checkpoints, not negative; 0 means one after every step.
     pub checkpoint: f64,
     /// Points along each axis of the lattice on which the flow, or the scalar, of the end is written, at least two; absent means none.
@@ -179,6 +190,7 @@ impl Default for OutputSection {
             every: None,
             fields: None,
             vorticity: false,
+            objects: None,
             checkpoint: 600.0,
             probe: None,
             pairs: false,
@@ -214,6 +226,7 @@ impl OutputSection {
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
             fields: table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?,
             vorticity: table.get("vorticity").map_or(Ok(default.vorticity), |entry| read_vorticity(&entry, model))?,
+            objects: table.get("objects").map(|entry| entry.flag()).transpose()?,
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
             pairs: table.get("pairs").map_or(Ok(default.pairs), |entry| read_pairs(&entry, model))?,
@@ -235,7 +248,7 @@ fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
     if let Some(entry) = ["every", "checkpoint"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve writes one frame at most and no checkpoints; add [time] or remove it"));
     }
-    if let Some(entry) = ["displacements", "velocity_autocorrelation"].into_iter().find_map(|name| table.get(name)) {
+    if let Some(entry) = ["displacements", "velocity_autocorrelation", "objects"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve moves no body; add [time] or remove it"));
     }
     match table.get("fields").filter(|_| model == FlowModel::Scalar) {

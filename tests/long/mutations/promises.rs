@@ -61,8 +61,9 @@ pub fn broken(drawn: &Drawn, out: &Path) -> Vec<String> {
 
 /// Tables with rows of another width than their header, or with numbers that are none.
 fn tables(out: &Path) -> Vec<String> {
-    let names = ["series.csv", "forces.csv", "energy.csv", "profiles.csv", "profile-frames.csv", "pairs.csv", "probe.csv"];
-    let paths = names.into_iter().map(|name| out.join(name)).filter(|path| path.exists());
+    let tables = ["series.csv", "forces.csv", "energy.csv", "chains.csv", "cells.csv", "clusters.csv"];
+    let measured = ["profiles.csv", "profile-frames.csv", "pairs.csv", "probe.csv"];
+    let paths = tables.into_iter().chain(measured).map(|name| out.join(name)).filter(|path| path.exists());
     let check = |path: &Path| match Table::read(path) {
         Err(wrong) => Some(wrong),
         Ok(table) => {
