@@ -7,7 +7,7 @@ use crate::geometry::Protocol;
 use crate::scene::demand::{expect, name, walled};
 use crate::scene::{
     AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, Drive, FlowModel, Joint, LubricationModel,
-    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, force_laws, protocol, region,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, force_laws, protocol, regions,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -30,7 +30,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     check_reference(scene)?;
     check_structure_factor(scene)?;
     check_followed(scene)?;
-    region::check(scene)?;
+    regions::check(scene)?;
     energy::check(scene)?;
     force_laws::check(scene)?;
     if scene.dry() {

@@ -11,7 +11,7 @@ use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
 use crate::scene::{
     ContactSection, DomainSection, FlowModel, FlowSection, InteractionSection, LubricationSection, MethodSection, OutputSection,
-    ResolutionSection, Scene, TimeSection, accuracy, bodies, check, keys, overrides, scalar,
+    ResolutionSection, Scene, TimeSection, accuracy, check, groups::bodies, keys, overrides, scalar,
 };
 
 /// Keys at the top of a scene file.

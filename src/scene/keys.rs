@@ -8,8 +8,8 @@ use crate::body::Outline;
 use crate::contact::FrictionLaw;
 use crate::flow::InverseMethod;
 use crate::geometry::{Protocol, RateStep};
-use crate::scene::chains::{rest_word, word as shape_word};
 use crate::scene::entry::word_of;
+use crate::scene::groups::chains::{rest_word, word as shape_word};
 use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
     AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,

@@ -5,10 +5,7 @@
 
 mod accuracy;
 mod affine;
-mod bodies;
-mod chains;
 mod check;
-mod clusters;
 mod demand;
 mod difference;
 mod elsewhere;
@@ -16,7 +13,7 @@ mod energy;
 mod entry;
 mod file;
 mod force_laws;
-mod group_keys;
+mod groups;
 mod key;
 mod keys;
 mod locations;
@@ -24,28 +21,27 @@ mod overrides;
 mod plane;
 mod protocol;
 mod reference;
-mod region;
+mod regions;
 mod scalar;
 mod sections;
-mod sizes;
 mod table;
 
 pub use affine::AffineFlow;
-pub use bodies::{BodyGroup, Motion, Placement, Shape};
-pub use chains::{Chain, ChainShape, Joint};
-pub use clusters::{Cluster, ClusterForm};
 pub use difference::Difference;
 pub use force_laws::ForceLaw;
+pub use groups::bodies::{BodyGroup, Motion, Placement, Shape};
+pub use groups::chains::{Chain, ChainShape, Joint};
+pub use groups::clusters::{Cluster, ClusterForm};
+pub use groups::region::Region;
+pub use groups::sizes::SizeDistribution;
 pub use key::Key;
 pub use locations::Locations;
 pub use reference::{KeySection, SECTIONS};
-pub use region::Region;
 pub use sections::{
     AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, ForceTexts,
     InteractionSection, LubricationModel, LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection,
     ResolutionSection, Scheme, Spacing, Step, TimeSection, Tolerance, Until,
 };
-pub use sizes::SizeDistribution;
 
 use crate::error::Error;
 

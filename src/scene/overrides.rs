@@ -6,7 +6,7 @@ use toml_edit::{DocumentMut, InlineTable, Item, Table, Value};
 
 use crate::error::{Error, Place, Refusal, Result};
 use crate::scene::Scene;
-use crate::scene::bodies::PLACEMENTS;
+use crate::scene::groups::bodies::PLACEMENTS;
 use crate::scene::locations::{Locations, dotted, written};
 use crate::scene::sections::{DRIVES, SPACINGS};
 

@@ -1,7 +1,7 @@
 //! All sections of a scene file with their keys: the tables by which files are read, as a reference of them.
 
 use crate::scene::file;
-use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, SIZES_KEYS};
+use crate::scene::groups::keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, SIZES_KEYS};
 use crate::scene::key::Key;
 use crate::scene::sections::{
     AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, FLOW_KEYS, FRICTION_KEYS,

@@ -117,15 +117,18 @@ fn groups_lie_wholly_in_their_regions_and_clear_of_each_other(session: &Session)
         let scene = Scene::parse("regions", Path::new("."), &text, &[]).unwrap();
         let setup = Setup::<2>::on(session.world().into(), &scene).unwrap();
         let group = |ball: &Ball<2>| scene.bodies.iter().position(|bodies| bodies.radius == ball.radius).unwrap();
-        let balls: Vec<(usize, Ball<2>)> = setup.bodies.iter().map(|suspended| (group(&suspended.body.ball), suspended.body.ball)).collect();
+        let balls: Vec<(usize, Ball<2>)> =
+            setup.bodies.iter().map(|suspended| (group(&suspended.body.ball), suspended.body.ball)).collect();
         for &(group, Ball { center, radius }) in &balls {
             let Some(region) = &scene.bodies[group].region else { continue };
-            let within = |axis: usize| region.lower[axis] + radius <= center[axis] + 1e-9 && center[axis] + radius <= region.upper[axis] + 1e-9;
+            let within =
+                |axis: usize| region.lower[axis] + radius <= center[axis] + 1e-9 && center[axis] + radius <= region.upper[axis] + 1e-9;
             assert!((0..2).all(|axis| region.spans(axis, setup.domain.size[axis]) || within(axis)), "{group}: {center} of {region:?}");
         }
         let only: Vec<Ball<2>> = balls.iter().map(|&(_, ball)| ball).collect();
         assert_eq!(first_fault(&setup.domain, &only), None);
-        let filled = |group: usize| balls.iter().filter(|(own, _)| *own == group).map(|(_, ball)| ball.volume()).sum::<f64>() / (20.0 * 4.8);
+        let filled =
+            |group: usize| balls.iter().filter(|(own, _)| *own == group).map(|(_, ball)| ball.volume()).sum::<f64>() / (20.0 * 4.8);
         assert!((filled(1) - 0.5).abs() < 0.005 && (filled(4) - 0.1).abs() < 0.001, "{} {}", filled(1), filled(4));
         let at_random: Vec<usize> = balls.iter().map(|(group, _)| *group).filter(|group| (1..5).contains(group)).collect();
         assert!(at_random.is_sorted() && balls.len() == at_random.len() + 2 + 24);

@@ -158,7 +158,9 @@ impl Source {
                 Token::Word(name) => path.push(name.clone()),
                 Token::Sign('*') => return self.globs.push(Self::absolute(module, &path)),
                 Token::Group(_, inside) => {
-                    inside.split(|token| is_sign(token, ',')).for_each(|leaf| self.read_use(module, leaf, path.clone(), shown));
+                    // nothing follows a comma at the end
+                    let leaves = inside.split(|token| is_sign(token, ',')).filter(|leaf| !leaf.is_empty());
+                    leaves.for_each(|leaf| self.read_use(module, leaf, path.clone(), shown));
                     return;
                 }
                 _ => {}

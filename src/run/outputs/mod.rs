@@ -1,13 +1,10 @@
 //! The outputs of a run, one a file.
 
-mod autocorrelation;
 mod cell;
 mod charts;
 mod checkpoint;
 mod checksums;
-mod configurations;
 mod context;
-mod displacements;
 mod energy;
 mod fields;
 mod forces;
@@ -16,23 +13,22 @@ mod instant;
 mod kept_rows;
 pub mod log;
 mod objects;
-mod pairs;
 mod picture;
 mod probe;
-mod profiles;
 mod progress;
 mod protocol;
 mod report;
 mod series;
 mod settling;
+mod statistics;
 mod step_table;
-mod structure_factor;
 
 use std::path::Path;
 
 use crate::{error::Result, motion::Simulation, output::CurvePoint, parallel::World, run::Output, scene::Scene};
 pub use checkpoint::restore;
 use context::{Context, Wanted, boxed};
+use statistics::{autocorrelation, displacements, pairs, profiles, structure_factor};
 
 /// Outputs of a run, in the order in which they write.
 pub type Outputs<const D: usize> = Vec<Box<dyn Output<D>>>;

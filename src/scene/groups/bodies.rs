@@ -8,17 +8,17 @@ use crate::body::{TOO_FEW, misplaced};
 use crate::contact::FrictionLaw;
 use crate::error::Result;
 use crate::scene::FlowModel;
-use crate::scene::chains::{self, Chain, ChainShape};
-use crate::scene::clusters::{self, Cluster};
 use crate::scene::entry::Entry;
-use crate::scene::region::Region;
-use crate::scene::group_keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
+use crate::scene::groups::chains::{self, Chain, ChainShape};
+use crate::scene::groups::clusters::{self, Cluster};
+use crate::scene::groups::keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS, MOTION_KEYS, OSCILLATING, PATH};
+use crate::scene::groups::region::Region;
+use crate::scene::groups::sizes::SizeDistribution;
 use crate::scene::sections::friction;
-use crate::scene::sizes::SizeDistribution;
 use crate::scene::table::Table;
 
 /// Keys of `[[bodies]]` that exclude each other.
-pub(super) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
+pub(in crate::scene) const PLACEMENTS: [&str; 4] = ["fraction", "count", "centers", "file"];
 
 /// Keys of `[[chains]]` that exclude each other.
 const CHAIN_PLACEMENTS: [&str; 3] = ["count", "centers", "file"];
@@ -112,19 +112,19 @@ pub enum Motion {
     PathFile(PathBuf),
 }
 
-pub(super) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowModel) -> Result<Vec<BodyGroup>> {
+pub(in crate::scene) fn read(root: &Table, folder: &Path, dimension: usize, model: FlowModel) -> Result<Vec<BodyGroup>> {
     let groups = root.get("bodies").map_or(Ok(Vec::new()), |entry| entry.list())?;
     groups.iter().map(|entry| BodyGroup::read(entry, folder, dimension, model)).collect()
 }
 
 /// The beads of all chains.
-pub(super) fn read_chains(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+pub(in crate::scene) fn read_chains(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
     let groups = root.get("chains").map_or(Ok(Vec::new()), |entry| entry.list())?;
     groups.iter().map(|entry| BodyGroup::read_chains(entry, folder, dimension)).collect()
 }
 
 /// The beads of all cells.
-pub(super) fn read_cells(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+pub(in crate::scene) fn read_cells(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
     let groups = root.get("cells").map_or(Ok(Vec::new()), |entry| entry.list())?;
     let read = |entry: &Entry| {
         let table = Table::of(entry, &CELL_KEYS)?;
@@ -135,7 +135,7 @@ pub(super) fn read_cells(root: &Table, folder: &Path, dimension: usize) -> Resul
 }
 
 /// The balls of all rigid clusters.
-pub(super) fn read_clusters(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
+pub(in crate::scene) fn read_clusters(root: &Table, folder: &Path, dimension: usize) -> Result<Vec<BodyGroup>> {
     let groups = root.get("clusters").map_or(Ok(Vec::new()), |entry| entry.list())?;
     let read = |entry: &Entry| {
         let table = Table::of(entry, &CLUSTER_KEYS)?;
@@ -357,7 +357,7 @@ fn read_gap(table: &Table, default: &BodyGroup) -> Result<f64> {
 }
 
 impl Placement {
-    pub(super) fn read(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
+    pub(in crate::scene) fn read(table: &Table, folder: &Path, dimension: usize) -> Result<Self> {
         let (name, entry) = table.exactly_one(&PLACEMENTS, "fraction = 0.3")?;
         Ok(match name {
             "fraction" => Placement::Fraction(read_fraction(&entry)?),

@@ -9,10 +9,11 @@ use std::{
 
 use nalgebra::SVector;
 
-use super::cell::{Cell, count, finite, real};
-use super::context::{Context, Wanted, boxed};
-use super::step_table::StepTable;
-use super::{configurations::steady_from, frames::frame_due};
+use super::configurations::steady_from;
+use crate::run::outputs::cell::{Cell, count, finite, real};
+use crate::run::outputs::context::{Context, Wanted, boxed};
+use crate::run::outputs::frames::frame_due;
+use crate::run::outputs::step_table::StepTable;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::{Error, Result},

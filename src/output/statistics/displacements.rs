@@ -5,7 +5,7 @@ use std::fmt::Write;
 use nalgebra::SVector;
 use serde::Serialize;
 
-use super::AXES;
+use crate::output::AXES;
 use crate::{
     observe::{Diffusivity, Displacements, MeanSquares},
     picture::{Chart, Scale, Series},

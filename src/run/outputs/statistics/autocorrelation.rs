@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::configurations::{Configurations, steady_from};
-use super::context::{Context, Wanted};
+use crate::run::outputs::context::{Context, Wanted};
 use crate::{
     error::Result,
     observe::Autocorrelation,

@@ -1,6 +1,6 @@
 //! `profiles.csv` and `profiles.svg`: means over frames of what bodies and fluid do in slices across axes, with their intervals.
 
-use super::AXES;
+use crate::output::AXES;
 use crate::{
     observe::{SliceSample, statistics::interval},
     picture::{Bar, Chart, Notes, Scale, Series},

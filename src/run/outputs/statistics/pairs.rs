@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::configurations::{Configurations, box_of, first_time, steady_from};
-use super::context::{Context, Wanted};
+use crate::run::outputs::context::{Context, Wanted};
 use crate::{
     error::Result,
     geometry::{Ball, Domain},

@@ -57,7 +57,7 @@ const ROTATION: Key = Key::new(
 .unit("radians");
 
 /// Keys of `[[bodies]]`.
-pub(super) const BODY_KEYS: [Key; 16] = [
+pub(in crate::scene) const BODY_KEYS: [Key; 16] = [
     Key::new("shape", "\"ball\"", "\"ball\"", "A disk in 2D, a sphere in 3D.").default("\"ball\""),
     RADIUS,
     Key::new(
@@ -104,7 +104,7 @@ pub(super) const BODY_KEYS: [Key; 16] = [
 ];
 
 /// Keys of `sizes` of a group of bodies: of two sizes, and from [`LOGNORMAL`] on of a log-normal distribution.
-pub(super) const SIZES_KEYS: [Key; 5] = [
+pub(in crate::scene) const SIZES_KEYS: [Key; 5] = [
     Key::new("ratio", "number", "1.4", "The second of two radii.")
         .unit("radii of the group")
         .default("required")
@@ -137,10 +137,10 @@ pub(super) const SIZES_KEYS: [Key; 5] = [
 ];
 
 /// Where the keys of a log-normal distribution begin.
-pub(super) const LOGNORMAL: usize = 2;
+pub(in crate::scene) const LOGNORMAL: usize = 2;
 
 /// Keys of `motion` of a group of bodies: of a steady, of an oscillating and of any other motion.
-pub(super) const MOTION_KEYS: [Key; 7] = [
+pub(in crate::scene) const MOTION_KEYS: [Key; 7] = [
     Key::new("velocity", "list of numbers", "[1.0, 0.0]", "Constant velocity.").unit("length/time").default("zero"),
     Key::new("spin", "number; 3D: list of 3", "0.5", "Constant turning rate.").unit("radians/time").default("zero"),
     Key::new("amplitude", "list of numbers", "[0.1, 0.0]", "Displacement a in a (sin(2 pi f t + p) - sin p).")
@@ -170,11 +170,11 @@ const MANY_SIZES: &str = "bodies.0.count = 4; bodies.0.sizes.deviation = 0.1; bo
 const TO_AND_FRO: &str = "time.end = 1.0; bodies.0.motion.amplitude = [0.1, 0.0]; bodies.0.motion.frequency = 1.0";
 
 /// Where the keys of an oscillating motion begin, and where those of a path.
-pub(super) const OSCILLATING: usize = 2;
-pub(super) const PATH: usize = 6;
+pub(in crate::scene) const OSCILLATING: usize = 2;
+pub(in crate::scene) const PATH: usize = 6;
 
 /// Keys of `[[chains]]`.
-pub(super) const CHAIN_KEYS: [Key; 16] = [
+pub(in crate::scene) const CHAIN_KEYS: [Key; 16] = [
     COUNT,
     Key::new("centers", "list of lists", "[[2.0, 2.0], [2.9, 2.0], [3.8, 2.0], [4.7, 2.0]]", "Centres of the beads, chain by chain.")
         .unit("length")
@@ -204,7 +204,7 @@ pub(super) const CHAIN_KEYS: [Key; 16] = [
 ];
 
 /// Keys of `[[cells]]`.
-pub(super) const CELL_KEYS: [Key; 17] = [
+pub(in crate::scene) const CELL_KEYS: [Key; 17] = [
     COUNT,
     Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the cells.").unit("length").default(PLACED),
     FILE,
@@ -254,7 +254,7 @@ pub(super) const CELL_KEYS: [Key; 17] = [
 ];
 
 /// Keys of `[[clusters]]`.
-pub(super) const CLUSTER_KEYS: [Key; 14] = [
+pub(in crate::scene) const CLUSTER_KEYS: [Key; 14] = [
     COUNT,
     Key::new("centers", "list of lists", "[[4.0, 4.0]]", "Centres of the clusters.").unit("length").default(PLACED),
     FILE,

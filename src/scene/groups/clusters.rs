@@ -62,7 +62,7 @@ impl Cluster {
 
 impl ClusterForm {
     /// Its word; none for one that is given place by place.
-    pub(super) fn word(&self) -> Option<&'static str> {
+    pub(in crate::scene) fn word(&self) -> Option<&'static str> {
         match self {
             ClusterForm::Rod(_) => Some("rod"),
             ClusterForm::Cross => Some("cross"),
@@ -90,7 +90,7 @@ impl ClusterForm {
 }
 
 /// The shape of clusters of balls of this radius.
-pub(super) fn read(table: &Table, dimension: usize, radius: f64) -> Result<Cluster> {
+pub(in crate::scene) fn read(table: &Table, dimension: usize, radius: f64) -> Result<Cluster> {
     let spacing = table.get("spacing").map_or(Ok(1.0), |entry| {
         let spacing = entry.positive()?;
         entry.expect((), table.get("offsets").is_none(), "is of shapes; offsets are lengths; remove it")?;

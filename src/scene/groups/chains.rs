@@ -61,10 +61,10 @@ pub enum Joint {
 }
 
 impl Joint {
-    pub(super) const WORDS: [(&'static str, Joint); 2] = [("free", Joint::Free), ("fixed", Joint::Fixed)];
+    pub(in crate::scene) const WORDS: [(&'static str, Joint); 2] = [("free", Joint::Free), ("fixed", Joint::Fixed)];
 
     /// The word for it.
-    pub(super) fn word(self) -> &'static str {
+    pub(in crate::scene) fn word(self) -> &'static str {
         Joint::WORDS.iter().find(|(_, known)| *known == self).map_or("", |(word, _)| word)
     }
 }
@@ -82,7 +82,7 @@ pub enum ChainShape {
 
 impl ChainShape {
     /// Words of the shapes that chains may have.
-    pub(super) const WORDS: [(&'static str, ChainShape); 2] = [("line", ChainShape::Line), ("ring", ChainShape::Ring)];
+    pub(in crate::scene) const WORDS: [(&'static str, ChainShape); 2] = [("line", ChainShape::Line), ("ring", ChainShape::Ring)];
 
     /// Whether the last bead is tied to the first.
     pub fn closed(self) -> bool {
@@ -90,7 +90,7 @@ impl ChainShape {
     }
 }
 
-pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
+pub(in crate::scene) fn read(table: &Table, dimension: usize) -> Result<Chain> {
     let shape = table.get("shape").map_or(Ok(ChainShape::Line), |entry| entry.choice(&ChainShape::WORDS, &[]))?;
     let (entry, least) = (table.require("beads", "10")?, if shape == ChainShape::Ring { 3 } else { 2 });
     let beads = entry.count()?;
@@ -113,7 +113,7 @@ pub(super) fn read(table: &Table, dimension: usize) -> Result<Chain> {
 }
 
 /// The membranes of cells, and the radius of their beads.
-pub(super) fn read_cells(table: &Table, dimension: usize) -> Result<(Chain, f64)> {
+pub(in crate::scene) fn read_cells(table: &Table, dimension: usize) -> Result<(Chain, f64)> {
     let entry = table.require("beads", if dimension == 2 { "48" } else { "162" })?;
     let beads = entry.count()?;
     entry.expect((), beads <= MOST_BEADS, &format!("must be at most {MOST_BEADS}"))?;
@@ -195,11 +195,11 @@ fn read_stretch(table: &Table) -> Result<Option<f64>> {
 }
 
 /// The word for a shape.
-pub(super) fn word(shape: ChainShape) -> &'static str {
+pub(in crate::scene) fn word(shape: ChainShape) -> &'static str {
     ChainShape::WORDS.iter().find(|(_, known)| *known == shape).map_or("", |(word, _)| word)
 }
 
 /// The word for the form of a membrane without bending.
-pub(super) fn rest_word(rest: RestShape) -> &'static str {
+pub(in crate::scene) fn rest_word(rest: RestShape) -> &'static str {
     REST_SHAPES.iter().find(|(_, known)| *known == rest).map_or("", |(word, _)| word)
 }

@@ -8,7 +8,7 @@ use crate::{
     error::Result,
     scene::{
         entry::Entry,
-        group_keys::{LOGNORMAL, SIZES_KEYS},
+        groups::keys::{LOGNORMAL, SIZES_KEYS},
         table::Table,
     },
 };
@@ -40,7 +40,7 @@ pub enum SizeDistribution {
 }
 
 impl SizeDistribution {
-    pub(super) fn read(entry: &Entry) -> Result<SizeDistribution> {
+    pub(in crate::scene) fn read(entry: &Entry) -> Result<SizeDistribution> {
         let ratio = |entry: &Entry| {
             let ratio = entry.positive()?;
             entry.expect(
