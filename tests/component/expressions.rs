@@ -109,13 +109,20 @@ fn a_pair_force_does_what_the_same_law_in_rust_does(session: &Session) {
     let sheared = "domain = { size = [9.0, 6.0] }\nflow = { drive = { shear_rate = 1.0, periodic = \"sheared\" } }\n";
     does_the_same::<2>(session, "a sheared box", &format!("{sheared}{FLAT}"));
     let walls = "domain = { size = [9.0, 6.0], y = { lower = [-3.0, 0.0], upper = [3.0, 0.0] } }\nflow = { model = \"navier-stokes\", density = 1.0 }\n";
-    does_the_same::<2>(session, "walls and inertia", &format!("{walls}{FLAT}"));
+    does_the_same::<2>(
+        session,
+        "walls and inertia",
+        &format!("{walls}{}", FLAT.replace("end = 0.2, step = 0.1", "end = 0.06, step = 0.02")),
+    );
     let dry = FLAT.lines().filter(|line| !["resolution", "method", "lubrication"].iter().any(|key| line.starts_with(key)));
     let dry: String = dry.map(|line| format!("{line}\n")).collect();
     does_the_same::<2>(
         session,
         "dry",
-        &format!("domain = {{ size = [9.0, 6.0] }}\nflow = {{ model = \"none\" }}\n{}", dry.replace("end = 0.2", "end = 1.0")),
+        &format!(
+            "domain = {{ size = [9.0, 6.0] }}\nflow = {{ model = \"none\" }}\n{}",
+            dry.replace("end = 0.2, step = 0.1", "end = 0.5, step = 0.05")
+        ),
     );
 }
 
