@@ -88,7 +88,10 @@ pub fn times(table: &Columns) -> BTreeSet<u64> {
 
 pub fn clear(session: &Session, path: &Path) {
     session.world().barrier();
-    session.world().on_first_rank(|| Ok(drop(fs::remove_dir_all(path)))).unwrap();
+    if session.world().rank() == 0 {
+        fs::remove_dir_all(path).unwrap();
+    }
+    session.world().barrier();
 }
 
 /// Angles that go on from one to the next without jumps by a turn.
