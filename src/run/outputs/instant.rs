@@ -4,11 +4,9 @@ use std::path::PathBuf;
 
 use nalgebra::SMatrix;
 
-use super::{
-    context::{Context, Wanted},
-    fields::FlowFields,
-    frames::INDICES,
-};
+use super::context::{Context, Wanted};
+use super::fields::FlowFields;
+use super::frames::INDICES;
 use crate::{
     error::Result,
     geometry::Ball,

@@ -5,11 +5,9 @@ use std::ops::Range;
 use nalgebra::Vector2;
 
 use super::super::context::{Context, Wanted};
-use super::{
-    table::{Entry, ObjectRow, Objects, opened, vector},
-    ties::{Form, Tied, tied},
-    turns::AngleColumns,
-};
+use super::table::{Entry, ObjectRow, Objects, opened, vector};
+use super::ties::{Form, Tied, tied};
+use super::turns::AngleColumns;
 use crate::{
     interaction::Measure,
     observe::{CellGeometry, facets, mean_phase},

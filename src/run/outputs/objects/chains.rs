@@ -3,11 +3,9 @@
 use nalgebra::SVector;
 
 use super::super::context::{Context, Wanted};
-use super::{
-    table::{Entry, ObjectRow, Objects, opened, vector},
-    ties::{Form, Tied, tied},
-    turns::AngleColumns,
-};
+use super::table::{Entry, ObjectRow, Objects, opened, vector};
+use super::ties::{Form, Tied, tied};
+use super::turns::AngleColumns;
 use crate::{observe::ChainGeometry, run::View};
 
 /// The chains of a run.

@@ -3,10 +3,8 @@
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector};
 
 use super::super::context::{Context, Wanted};
-use super::{
-    table::{Entry, ObjectRow, Objects, opened, vector},
-    turns::AngleColumns,
-};
+use super::table::{Entry, ObjectRow, Objects, opened, vector};
+use super::turns::AngleColumns;
 use crate::{
     interaction::Cluster,
     mechanics::Moving,

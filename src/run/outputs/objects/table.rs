@@ -5,12 +5,10 @@ use std::{borrow::Cow, path::PathBuf};
 
 use nalgebra::SVector;
 
-use super::super::{
-    cell::{Cell, absent, count, finite, real},
-    context::{Context, Wanted, boxed},
-    frames::frame_due,
-    step_table::StepTable,
-};
+use super::super::cell::{Cell, absent, count, finite, real};
+use super::super::context::{Context, Wanted, boxed};
+use super::super::frames::frame_due;
+use super::super::step_table::StepTable;
 use super::turns::{AngleColumns, Turns};
 use crate::{
     error::Result,
