@@ -104,13 +104,14 @@ impl<'a, const D: usize> Search<'a, D> {
 
     /// Looks for a packing until one is found or the effort is spent.
     fn succeeds(&mut self) -> bool {
-        self.scatter();
+        self.scatter(false);
         if self.packing.relax() {
             return true;
         }
         self.packing.margin = NARROW_MARGIN;
         while self.packing.effort > 0 {
-            self.scatter();
+            // a body that starts among obstacles which lie closely stays there
+            self.scatter(true);
             if self.grow() {
                 return true;
             }
@@ -118,9 +119,11 @@ impl<'a, const D: usize> Search<'a, D> {
         false
     }
 
-    /// Puts every body at a random place, outside obstacles if that is easy.
-    fn scatter(&mut self) {
-        let mut bodies: Vec<_> = (0..self.packing.movable).map(|number| (self.random_place(), number)).collect();
+    /// Puts every body at a random place: its centre, or all of it, outside obstacles if that is easy.
+    fn scatter(&mut self, whole: bool) {
+        let mut bodies: Vec<_> = (0..self.packing.movable)
+            .map(|number| (self.random_place(if whole { self.radii[number] * (1.0 + self.gap / 2.0) } else { 0.0 }), number))
+            .collect();
         if bodies.len() > BLOCK {
             let rows = CellRows::new(self.packing.domain, bodies.len());
             bodies.sort_by_cached_key(|(place, _)| rows.key(place));
@@ -134,13 +137,13 @@ impl<'a, const D: usize> Search<'a, D> {
         }
     }
 
-    /// A place in the box, outside obstacles if that is easy.
-    fn random_place(&mut self) -> SVector<f64, D> {
+    /// A place in the box at this distance from obstacles if that is easy.
+    fn random_place(&mut self, radius: f64) -> SVector<f64, D> {
         let size = self.packing.domain.size;
         let mut place = || SVector::from_fn(|axis, _| self.random.random::<f64>() * size[axis]);
         let mut found = place();
         for _ in 1..100 {
-            if !buried(&self.obstacles, &self.packing.radii[self.packing.movable..], found) {
+            if !buried(&self.obstacles, &self.packing, &Ball { center: found, radius }) {
                 break;
             }
             found = place();
@@ -185,10 +188,14 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 }
 
-/// Whether a point lies in an obstacle.
-fn buried<const D: usize>(obstacles: &Levels<D>, radii: &[f64], point: SVector<f64, D>) -> bool {
+/// Whether a ball overlaps an obstacle; of a point, whether it lies in one.
+fn buried<const D: usize>(obstacles: &Levels<D>, packing: &Packing<D>, ball: &Ball<D>) -> bool {
+    let (centers, radii) = (&packing.centers[packing.movable..], &packing.radii[packing.movable..]);
     let mut buried = false;
-    obstacles.visit(&Ball { center: point, radius: 0.0 }, |obstacle, distance| buried |= distance < radii[obstacle]);
+    obstacles.visit_within(ball, 1.0, |obstacle| {
+        let distance = packing.domain.nearest_image(centers[obstacle] - ball.center).norm();
+        buried |= distance < radii[obstacle] + ball.radius;
+    });
     buried
 }
 

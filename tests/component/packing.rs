@@ -105,13 +105,14 @@ fn groups_lie_wholly_in_their_regions_and_clear_of_each_other(session: &Session)
     for axes in ["", "y = \"walls\"\n", "flow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\n"] {
         let (domain, drive) = if axes.starts_with("flow") { ("", axes) } else { (axes, "") };
         let text = format!(
-            "{drive}[domain]\nsize = [20.0, 16.0]\n{domain}[resolution]\nspacing = 0.1\n\
+            "{drive}[domain]\nsize = [20.0, 16.0]\n{domain}[resolution]\nspacing = 0.06\n\
              [[bodies]]\nradius = 1.0\ncenters = [[7.0, {}], [0.2, 8.0]]\n\
              [[bodies]]\nradius = 0.5\nfraction = 0.5\nregion = [[0.0, 0.2], [20.0, 5.0]]\n\
              [[bodies]]\nradius = 0.4\ncount = 40\nregion = [[2.0, 9.0], [12.0, 15.9]]\n\
              [[bodies]]\nradius = 0.3\ncount = 60\n\
              [[bodies]]\nradius = 0.2\nfraction = 0.1\nregion = [[0.0, 0.2], [20.0, 5.0]]\n\
-             [[chains]]\nradius = 0.25\nbeads = 4\ncount = 6\nstretch = \"rigid\"\nregion = [[14.0, 6.0], [19.0, 12.0]]\n",
+             [[chains]]\nradius = 0.25\nbeads = 4\ncount = 6\nstretch = \"rigid\"\nregion = [[14.0, 6.0], [19.0, 12.0]]\n\
+             [time]\nend = 1.0\n",
             if domain.is_empty() { 15.7 } else { 14.8 }
         );
         let scene = Scene::parse("regions", Path::new("."), &text, &[]).unwrap();
