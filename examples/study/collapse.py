@@ -10,7 +10,7 @@ import math
 import pathlib
 import sys
 
-from common import bodies, heap, line, run, slopes
+from common import bodies, heap, line, run, slopes, write_bodies
 
 OUT = pathlib.Path("out/study/collapse")
 PACKED = 0.82
@@ -57,9 +57,7 @@ def collapse(program, count, aspect, friction, seed):
     wide = 2.0 * half * (2.0 * published(aspect) + 2.0)
     folder = OUT / f"{count},a={aspect},mu={friction},seed={seed}"
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "column.csv", "w") as table:
-        table.write("x,y,radius\n")
-        table.writelines(f"{x - half + 0.5 * wide!r},{y!r},{radius!r}\n" for (x, y), radius in disks)
+    write_bodies(folder / "column.csv", [((x - half + 0.5 * wide, y), radius) for (x, y), radius in disks])
     end = round(4.0 * math.sqrt(2.0 * highest) + 10.0, 1)
     size = {"width": wide, "height": highest + 3.0}
     release = SCENE.format(seed=seed, **size, placed='file = "column.csv"', friction=friction, end=end, every=end / 20.0)

@@ -1,5 +1,6 @@
 """What the studies of dry disks and spheres share: runs that are made once, straight lines through points, heaps and their slopes, intervals."""
 
+import csv
 import json
 import math
 import subprocess
@@ -22,6 +23,34 @@ def run(program, folder, scene):
 def bodies(made):
     """Centre and radius of the bodies of a run at its end."""
     return [(body["center"], body["radius"]) for body in json.loads((made / "summary.json").read_text())["bodies"]]
+
+
+def write_bodies(path, places):
+    """A table of centres and radii, for `file` of a group."""
+    axes = "xyz"[: len(places[0][0])]
+    with open(path, "w") as table:
+        table.write(",".join([*axes, "radius"]) + "\n")
+        table.writelines(",".join(repr(value) for value in (*center, radius)) + "\n" for center, radius in places)
+
+
+def second_half(made):
+    """Slices of the profiles of each frame in the second half of a run."""
+    frames = {}
+    with open(made / "profile-frames.csv") as table:
+        for row in csv.DictReader(table):
+            frames.setdefault(float(row["time"]), []).append(row)
+    times = sorted(frames)
+    return [frames[time] for time in times[len(times) // 2 :]]
+
+
+def mean_of(slices, name):
+    """The mean of a column over slices."""
+    return sum(float(row[name]) for row in slices) / len(slices)
+
+
+def rate_of(slices):
+    """The shear rate of the disks in slices."""
+    return line((float(row["position"]), float(row["particle_velocity_x"])) for row in slices if row["particle_velocity_x"])[0]
 
 
 def line(points):
@@ -68,6 +97,10 @@ def slopes(disks, middle, reach):
         tops[place] = max(tops.get(place, 0.0), y + radius)
     middles = [[((place + 0.5) * 3.0, top) for place, top in tops.items() if 0.2 * reach < (place + 0.5) * 3.0 < 0.8 * reach] for tops in sides]
     return [-line(points)[0] for points in middles]
+
+
+#: Disks of several sizes, so that they do not order, and the mean square of their radii.
+SIZES, MEAN_AREA = "sizes = { deviation = 0.12, smallest = 0.8, largest = 1.2 }", 1.0145
 
 
 #: Of the 95 % interval of a mean, by degrees of freedom.

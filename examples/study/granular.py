@@ -6,18 +6,14 @@ The height of the box is given, and the pressure comes out. Published, for disks
 `I = rate sqrt(mass / pressure)` (da Cruz et al. 2005). Means are over the middle half of the layer and the second half of a strain of 16.
 """
 
-import csv
 import math
 import pathlib
 import sys
 
-from common import in_time, line, run
+from common import MEAN_AREA, SIZES, in_time, mean_of, rate_of, run, second_half
 
 OUT = pathlib.Path("out/study/granular")
 WIDTH, COUNT, SPEED = 30.3, 360, 10.0
-
-#: Mean square of the radii.
-MEAN_AREA = 1.0145
 
 SCENE = """
 title = "dry disks between rough walls"
@@ -37,7 +33,7 @@ centers = {upper}
 motion = {{ velocity = [{speed}, 0.0] }}
 [[bodies]]
 radius = 1.0
-sizes = {{ deviation = 0.12, smallest = 0.8, largest = 1.2 }}
+{sizes}
 count = {count}
 gap = 0.005
 [contact]
@@ -61,26 +57,18 @@ def scene(fraction, strain):
     row = lambda y: "[" + ", ".join(f"[{0.505 + 2.02 * place:.3f}, {y:.6f}]" for place in range(15)) + "]"
     rate = 2.0 * SPEED / between
     end = strain / rate
-    return SCENE.format(width=WIDTH, height=height, lower=row(1.0), upper=row(height - 1.0), speed=SPEED, count=COUNT, end=end, step=0.004 / rate, every=end / 400)
+    return SCENE.format(sizes=SIZES, width=WIDTH, height=height, lower=row(1.0), upper=row(height - 1.0), speed=SPEED, count=COUNT, end=end, step=0.004 / rate, every=end / 400)
 
 
 def measure(folder):
     """Means over the second half of the run of what is in the middle half of the layer."""
-    frames = {}
-    with open(folder / "profile-frames.csv") as table:
-        for row in csv.DictReader(table):
-            frames.setdefault(float(row["time"]), []).append(row)
-    times = sorted(frames)
     shears, normals, rates, fractions = [], [], [], []
-    for time in times[len(times) // 2 :]:
-        slices = frames[time]
+    for slices in second_half(folder):
         middle = slices[len(slices) // 4 : len(slices) - len(slices) // 4]
-        mean = lambda name: sum(float(row[name]) for row in middle) / len(middle)
-        shears.append(abs(mean("particle_stress_xy")))
-        normals.append(-mean("particle_stress_yy"))
-        fractions.append(mean("fraction"))
-        points = [(float(row["position"]), float(row["particle_velocity_x"])) for row in middle if row["particle_velocity_x"]]
-        rates.append(line(points)[0])
+        shears.append(abs(mean_of(middle, "particle_stress_xy")))
+        normals.append(-mean_of(middle, "particle_stress_yy"))
+        fractions.append(mean_of(middle, "fraction"))
+        rates.append(rate_of(middle))
     pressure, rate = sum(normals) / len(normals), sum(rates) / len(rates)
     # of a ratio of means: the scatter of what is left of its equation
     left = in_time([shear - sum(shears) / sum(normals) * normal for shear, normal in zip(shears, normals)])[1]

@@ -11,7 +11,7 @@ import pathlib
 import random
 import sys
 
-from common import bodies, heap, interval, line, run, slopes
+from common import bodies, heap, interval, line, run, slopes, write_bodies
 
 OUT = pathlib.Path("out/study/pile")
 
@@ -45,14 +45,6 @@ picture = false
 #: Half width of the opening and of the hopper.
 OPENING, HALF = 10.0, 26.0
 SPHERE_OPENING, SPHERE_HALF = 7.0, 16.0
-
-
-def write(path, places):
-    """A table of centres and radii."""
-    axes = "xyz"[: len(places[0][0])]
-    with open(path, "w") as table:
-        table.write(",".join([*axes, "radius"]) + "\n")
-        table.writelines(",".join(repr(round(value, 6)) for value in (*center, radius)) + "\n" for center, radius in places)
 
 
 def radii(count, draw):
@@ -116,8 +108,8 @@ def pile(program, count, friction, seed, in_space):
     size, hopper, grains = (spheres if in_space else disks)(count, seed)
     folder = OUT / f"{'spheres' if in_space else 'disks'},{count},mu={friction},seed={seed}"
     folder.mkdir(parents=True, exist_ok=True)
-    write(folder / "hopper.csv", hopper)
-    write(folder / "grains.csv", grains)
+    write_bodies(folder / "hopper.csv", hopper)
+    write_bodies(folder / "grains.csv", grains)
     law = f"{{ coefficient = {friction}, rolling = 0.1 }}" if in_space else friction
     end = round(0.1 * count if not in_space else 0.03 * count) + 50.0
     walls = "\n".join(f'{axis} = "walls"' for axis in "xyz"[: len(size)])
