@@ -13,7 +13,7 @@ const SAMPLES: usize = 9;
 
 /// Where bodies are, how large they are, and how long.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Region {
+pub struct ForceRange {
     /// Lowest and highest coordinate of their centres along each axis.
     pub ends: Vec<[f64; 2]>,
     /// Smallest and largest radius.
@@ -39,31 +39,31 @@ impl BodyForceLaw {
         [&["x", "y", "z"][..dimension], &["radius", "time"]].concat()
     }
 
-    /// The law of a name with a force on bodies of a region.
+    /// The law of a name with a force on bodies of a range.
     ///
     /// Its steepest slope is the largest norm of the gradient of the force at 9 places along each axis and 9 times, for the smallest and the largest body.
     ///
     /// # Errors
     /// Where the force or its slope is not finite.
-    pub fn new(name: String, force: Vec<Expression>, region: &Region) -> Result<BodyForceLaw, String> {
+    pub fn new(name: String, force: Vec<Expression>, range: &ForceRange) -> Result<BodyForceLaw, String> {
         let mut law = BodyForceLaw { name, force, torque: Vec::new(), steepest: 0.0 };
-        for variables in region.samples() {
-            let slope = law.gradient(&variables, region.ends.len());
+        for variables in range.samples() {
+            let slope = law.gradient(&variables, range.ends.len());
             if !slope.is_finite() || !are_finite(&law.force, &variables) {
-                return Err(region.unbounded("is not finite, or infinitely steep,", &variables));
+                return Err(range.unbounded("is not finite, or infinitely steep,", &variables));
             }
             law.steepest = law.steepest.max(slope);
         }
         Ok(law)
     }
 
-    /// The same with a torque on bodies of a region: an expression in 2D, three in 3D.
+    /// The same with a torque on bodies of a range: an expression in 2D, three in 3D.
     ///
     /// # Errors
     /// Where the torque is not finite.
-    pub fn with_torque(self, torque: Vec<Expression>, region: &Region) -> Result<BodyForceLaw, String> {
-        match region.samples().find(|variables| !are_finite(&torque, variables)) {
-            Some(variables) => Err(region.unbounded("is not finite", &variables)),
+    pub fn with_torque(self, torque: Vec<Expression>, range: &ForceRange) -> Result<BodyForceLaw, String> {
+        match range.samples().find(|variables| !are_finite(&torque, variables)) {
+            Some(variables) => Err(range.unbounded("is not finite", &variables)),
             None => Ok(BodyForceLaw { torque, ..self }),
         }
     }
@@ -92,7 +92,7 @@ fn evaluate(expressions: &[Expression], variables: &[f64], along: Option<usize>)
     expressions.iter().map(|expression| expression.evaluate(&variables)).collect()
 }
 
-impl Region {
+impl ForceRange {
     /// What is wrong there, with the place.
     fn unbounded(&self, wrong: &str, variables: &[f64]) -> String {
         let (place, instant) = variables.split_at(self.ends.len());
@@ -151,9 +151,8 @@ mod tests {
         let constants = BTreeMap::from([("k".to_owned(), 3.0)]);
         let variables = BodyForceLaw::variables(force.len());
         let parse = |text: &&str| Expression::parse(text, &variables, &constants).unwrap();
-        let region = Region { ends: vec![[0.0, 8.0]; force.len()], radii: [0.5, 1.0], end };
-        BodyForceLaw::new("law".into(), force.iter().map(parse).collect(), &region)?
-            .with_torque(torque.iter().map(parse).collect(), &region)
+        let range = ForceRange { ends: vec![[0.0, 8.0]; force.len()], radii: [0.5, 1.0], end };
+        BodyForceLaw::new("law".into(), force.iter().map(parse).collect(), &range)?.with_torque(torque.iter().map(parse).collect(), &range)
     }
 
     #[test]

@@ -28,7 +28,7 @@ mod welds;
 use std::fmt::Debug;
 
 pub use arrangement::{Arrangement, Forces, PairForce, Wrench};
-pub use body_force_law::{BodyForceLaw, Region};
+pub use body_force_law::{BodyForceLaw, ForceRange};
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;
 pub use conserved::{Conserved, Measure, enclosed};

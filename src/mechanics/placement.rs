@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::room::{self, CELLS_AT_ENDS, Room};
+use super::room::{self, CELLS_AT_ENDS, Room, groups_of_one_region};
 use crate::{
     body::{Body, ChainForm, Motion, Path, Trajectories, Trajectory, Twist, pack_on, place_chains, read_centers, read_places, skew},
     error::{Error, Result},
@@ -108,7 +108,7 @@ fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Res
     let Asked { given: mut balls, counts } = peers.agree(asked(scene, domain))?;
     let mut taken: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
     let mut random: Vec<(usize, Ball<D>)> = Vec::new();
-    for members in Room::<D>::groups(scene, &counts) {
+    for members in groups_of_one_region(scene, &counts) {
         let placed = place_at_random(peers, scene, domain, (&members, &counts), &taken)?;
         taken.extend(placed.iter().map(|&(_, ball)| ball));
         random.extend(placed);

@@ -35,10 +35,11 @@ const MANY: f64 = 500.0;
 /// [`Error::Refused`], naming the key.
 pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize, Ball<D>)], counts: &[f64]) -> Result<()> {
     check_numbers(scene, counts)?;
-    for members in Room::<D>::groups(scene, counts) {
-        let room = Room::of(scene, domain, &scene.bodies[members[0]])?;
+    for members in groups_of_one_region(scene, counts) {
+        let bodies = &scene.bodies[members[0]];
+        let room = Room::of(scene, domain, bodies)?;
         let own: Vec<f64> = (0..counts.len()).map(|group| if members.contains(&group) { counts[group] } else { 0.0 }).collect();
-        let inside: Vec<_> = given.iter().copied().filter(|(_, ball)| room.holds(ball)).collect();
+        let inside: Vec<_> = given.iter().copied().filter(|(_, ball)| bodies.region.is_none() || room.holds(ball)).collect();
         check_filling(scene, &room.domain, &inside, &own)?;
     }
     let random =
@@ -73,19 +74,6 @@ impl<const D: usize> Room<D> {
         Ok(room)
     }
 
-    /// Groups of which bodies are placed at random, those of one region together, in the order of their first ones.
-    pub fn groups(scene: &Scene, counts: &[f64]) -> Vec<Vec<usize>> {
-        let mut all: Vec<Vec<usize>> = Vec::new();
-        for group in (0..counts.len()).filter(|&group| counts[group] > 0.0) {
-            let region = &scene.bodies[group].region;
-            match all.iter_mut().find(|members| scene.bodies[members[0]].region == *region) {
-                Some(members) => members.push(group),
-                None => all.push(vec![group]),
-            }
-        }
-        all
-    }
-
     /// Balls that reach into it, or their images, seen from where it begins.
     pub fn obstacles(&self, domain: &Domain<D>, balls: impl IntoIterator<Item = Ball<D>>) -> Vec<Ball<D>> {
         // along axes that go on in the room a ball stands for its images
@@ -95,7 +83,7 @@ impl<const D: usize> Room<D> {
             let one = |turns: isize| domain.offset(std::array::from_fn(|other| if other == axis { turns } else { 0 }));
             offsets = offsets.iter().flat_map(|offset| images(axis).map(move |turns| offset + one(turns))).collect();
         }
-        let seen = |ball: Ball<D>| offsets.iter().map(move |offset| Ball { center: ball.center + offset, ..ball }).collect::<Vec<_>>();
+        let seen = |ball: Ball<D>| offsets.iter().map(move |offset| Ball { center: ball.center + offset, ..ball });
         balls.into_iter().flat_map(seen).filter(|ball| self.reaches(ball)).collect()
     }
 
@@ -107,6 +95,19 @@ impl<const D: usize> Room<D> {
     fn holds(&self, ball: &Ball<D>) -> bool {
         (0..D).all(|axis| (0.0..=self.domain.size[axis]).contains(&(ball.center[axis] - self.start[axis])))
     }
+}
+
+/// Groups of which bodies are placed at random, those of one region together, in the order of their first ones.
+pub fn groups_of_one_region(scene: &Scene, counts: &[f64]) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = Vec::new();
+    for group in (0..counts.len()).filter(|&group| counts[group] > 0.0) {
+        let region = &scene.bodies[group].region;
+        match all.iter_mut().find(|members| scene.bodies[members[0]].region == *region) {
+            Some(members) => members.push(group),
+            None => all.push(vec![group]),
+        }
+    }
+    all
 }
 
 /// What random bodies leave free where fluid flows in and out: what they must on the coarsest grid, so that they lie in the same places on every one.

@@ -1,7 +1,7 @@
 //! The forces that a scene gives by expressions, read for bodies of its radii.
 
 use crate::error::Result;
-use crate::interaction::{BodyForceLaw, Expression, PairForceLaw, Region};
+use crate::interaction::{BodyForceLaw, Expression, ForceRange, PairForceLaw};
 use crate::scene::{AxisSection, ConstraintMethod, ForceTexts, InteractionSection, Scene};
 
 /// A force that a scene gives by expressions.
@@ -47,7 +47,7 @@ impl Scene {
                 law.map(ForceLaw::Pair).map_err(|why| self.refuse(&key("pair_force"), shown([force]), &format!("{why}; {remedy}")))
             }
             ForceTexts::Body { force, torque } => {
-                let region = self.region(radii);
+                let range = self.force_range(radii);
                 let [forces, torques] = [("body_force", force), ("torque", torque)].map(|(name, texts)| {
                     let of = |place| if texts.len() == 1 { key(name) } else { format!("{}[{place}]", key(name)) };
                     (0..).zip(texts).map(|(place, text)| self.expression(section, &of(place), text)).collect::<Result<Vec<_>>>()
@@ -55,8 +55,8 @@ impl Scene {
                 let unbounded = |name: &str, texts: &[String], why: String| {
                     self.refuse(&key(name), shown(texts), &format!("{why}; bound it, for example by max or min"))
                 };
-                let law = BodyForceLaw::new(section.name.clone(), forces?, &region).map_err(|why| unbounded("body_force", force, why))?;
-                law.with_torque(torques?, &region).map(ForceLaw::Body).map_err(|why| unbounded("torque", torque, why))
+                let law = BodyForceLaw::new(section.name.clone(), forces?, &range).map_err(|why| unbounded("body_force", force, why))?;
+                law.with_torque(torques?, &range).map(ForceLaw::Body).map_err(|why| unbounded("torque", torque, why))
             }
         }
     }
@@ -67,11 +67,11 @@ impl Scene {
     }
 
     /// Where bodies of these radii may be, and how long.
-    fn region(&self, radii: [f64; 2]) -> Region {
+    fn force_range(&self, radii: [f64; 2]) -> ForceRange {
         let ends = |(&size, axis): (&f64, &AxisSection)| {
             if *axis == AxisSection::Periodic { [0.0, size] } else { [radii[0], size - radii[0]] }
         };
-        Region { ends: self.domain.size.iter().zip(&self.domain.axes).map(ends).collect(), radii, end: self.end() }
+        ForceRange { ends: self.domain.size.iter().zip(&self.domain.axes).map(ends).collect(), radii, end: self.end() }
     }
 }
 

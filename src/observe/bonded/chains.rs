@@ -68,10 +68,14 @@ pub(super) fn gyration_tensor<const D: usize>(beads: &[SVector<f64, D>]) -> SMat
     beads.iter().map(|bead| (bead - middle) * (bead - middle).transpose()).sum::<SMatrix<f64, D, D>>() / beads.len() as f64
 }
 
+/// A matrix with zeros along the third axis in 2D.
+pub(super) fn in_space<const D: usize>(matrix: &SMatrix<f64, D, D>) -> Matrix3<f64> {
+    Matrix3::from_fn(|row, column| if row.max(column) < D { matrix[(row, column)] } else { 0.0 })
+}
+
 /// `p p` for the direction `p` in which beads are spread most.
 fn orientation<const D: usize>(spread: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
-    let in_space = Matrix3::from_fn(|row, column| if row.max(column) < D { spread[(row, column)] } else { 0.0 });
-    let eigen = in_space.symmetric_eigen();
+    let eigen = in_space(spread).symmetric_eigen();
     let axis = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
     SMatrix::from_fn(|row, column| axis[row] * axis[column])
 }

@@ -1,7 +1,8 @@
 //! How rigid clusters lie.
 
-use nalgebra::{Matrix3, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
+use super::chains::in_space;
 use crate::{
     interaction::{Cluster, Interactions},
     mechanics::State,
@@ -34,8 +35,7 @@ pub fn longest_axis<const D: usize>(cluster: &Cluster<D>) -> SVector<f64, D> {
 pub fn aspect_ratio<const D: usize>(cluster: &Cluster<D>) -> f64 {
     let count = cluster.offsets.len() as f64;
     let spread = cluster.offsets.iter().map(|offset| offset * offset.transpose()).sum::<SMatrix<f64, D, D>>() / count;
-    let in_space = Matrix3::from_fn(|row, column| if row.max(column) < D { spread[(row, column)] } else { 0.0 });
-    let mut squares: Vec<f64> = in_space.symmetric_eigenvalues().iter().map(|square| square.max(0.0)).collect();
+    let mut squares: Vec<f64> = in_space(&spread).symmetric_eigenvalues().iter().map(|square| square.max(0.0)).collect();
     squares.sort_by(|one, other| other.total_cmp(one));
     // the mean square of a coordinate over a disk or a ball
     let of_ball = cluster.radius.powi(2) / (D + 2) as f64;

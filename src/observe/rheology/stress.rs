@@ -6,8 +6,9 @@
 //!
 //! `p` is the mean pressure over the fluid, `E` the mean rate of strain, `S_i` the stresslets, `f` the forces of contacts between centres
 //! a distance `r n` apart, `L_i` the couples that turn bodies from outside, as tensors of which `L_xy` is the torque from x to y. They make it
-//! asymmetric. Between walls, whose mean shear stress is meant, a force `F` along them at a height `y` from the middle adds `-F y / V`. Stresslets have no trace: that part of the stress is what bodies bear as pressure,
-//! `fraction (p - mean of the pressure inside bodies)`, as the inside of a rigid body is at rest in the solution and bears the mean normal traction.
+//! asymmetric. Between walls, whose mean shear stress is meant, a force `F` along them at a height `y` from the middle adds `-F y / V`. Stresslets have no
+//! trace: that part of the stress is what bodies bear as pressure, `fraction (p - mean of the pressure inside bodies)`, as the inside of a rigid body is at
+//! rest in the solution and bears the mean normal traction.
 //! All parts are over `mu rate` (Batchelor 1970, doi:10.1017/S0022112070000745; particle pressure: Jeffrey, Morris & Brady 1993,
 //! doi:10.1063/1.858709).
 

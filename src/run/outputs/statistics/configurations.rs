@@ -9,7 +9,11 @@ use crate::{
     observe::Shear,
     output::{FrameFile, MeanViscosity, StoredFrame},
     parallel::World,
+    run::{MotionView, View},
 };
+
+/// What a rank finds with the two files that say it, names and contents.
+type Found<S> = Option<(S, [(&'static str, Vec<u8>); 2])>;
 
 /// Part of a run without a steady viscosity that is left out.
 const START_UP: f64 = 0.5;
@@ -72,6 +76,28 @@ impl Configurations {
         }
         Ok(first)
     }
+}
+
+/// What the first rank finds in the frames of the steady part of a run, for measurements that take frames in turn, and the files of these `names` that it
+/// wrote; nothing where it finds nothing. Collective.
+///
+/// # Errors
+/// A frame cannot be read, or a file written.
+pub fn measured_by_first_rank<const D: usize, S>(
+    view: &View<D>,
+    motion: &MotionView<D>,
+    (folder, names): (&Path, [&'static str; 2]),
+    measure: impl FnOnce(&Configurations) -> Result<Found<S>>,
+) -> Result<(Option<S>, Vec<String>)> {
+    let begin = steady_from(view.world, view.shear().as_ref(), motion.state().time, view.history.mean());
+    let found = view.world.on_first_rank(|| measure(&Configurations::since(begin, folder)?))?;
+    if view.world.max(f64::from(found.is_some())) == 0.0 {
+        return Ok((None, Vec::new()));
+    }
+    let (of_run, files) = found.unzip();
+    let files = files.unwrap_or_else(|| names.map(|name| (name, Vec::new())));
+    let written: Result<Vec<String>> = files.iter().map(|(name, bytes)| view.write_file(folder, name, bytes)).collect();
+    Ok((of_run, written?))
 }
 
 /// The first of the times that ranks have found; infinite without any. Collective.
