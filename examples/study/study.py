@@ -32,8 +32,8 @@ SWEEPS = {
     "thickening": ({"contact.friction.critical_load": ["0.1", "1", "3", "10", "30", "100"]}, 1, PARTS),
 }
 
-#: Studies of dry disks and spheres, scripts of their own beside this one.
-DRY = ["granular", "incline", "pile", "collapse"]
+#: Studies by scripts of their own beside this one.
+ALONE = ["convex", "granular", "incline", "pile", "collapse"]
 
 
 def sweep(program, name):
@@ -220,8 +220,8 @@ def references(rows):
     })
 
 
-def dry(program, name):
-    """What one of the dry studies beside this one prints."""
+def alone(program, name):
+    """What one of the scripts beside this one prints."""
     OUT.mkdir(parents=True, exist_ok=True)
     done = subprocess.run([sys.executable, str(HERE / f"{name}.py"), program], stdout=subprocess.PIPE, text=True)
     if done.returncode != 0:
@@ -229,7 +229,7 @@ def dry(program, name):
     return done.stdout.strip()
 
 
-def page(tables, dry_parts):
+def page(tables, alone_parts):
     parts = {
         "DISKS": figures(tables["disks"], False),
         "SPHERES": figures(tables["spheres"], True),
@@ -238,7 +238,7 @@ def page(tables, dry_parts):
         "REFERENCES": references(tables["spheres"]),
         "TRANSIENT": transient(),
         "THICKENING": thickening(tables["thickening"]),
-        **{name.upper(): text for name, text in dry_parts.items()},
+        **{name.upper(): text for name, text in alone_parts.items()},
     }
     text = (DOCS / "parts" / "study.md").read_text()
     for name, part in parts.items():
@@ -256,9 +256,9 @@ def main():
     program = sys.argv[1]
     with ThreadPoolExecutor(2) as pool:
         jobs = {name: pool.submit(sweep, program, name) for name in SWEEPS}
-        dry_jobs = {name: pool.submit(dry, program, name) for name in DRY}
+        alone_jobs = {name: pool.submit(alone, program, name) for name in ALONE}
         tables = {name: job.result() for name, job in jobs.items()}
-    page(tables, {name: job.result() for name, job in dry_jobs.items()})
+    page(tables, {name: job.result() for name, job in alone_jobs.items()})
     print("docs/study.md")
 
 

@@ -27,12 +27,13 @@ impl<const D: usize> Interaction<D> for UnequalFriction {
     }
 
     fn describe(&self) -> String {
-        let FrictionLaw { coefficient, rolling, twisting, critical_load } = self.surfaces.largest();
+        let FrictionLaw { coefficient, rolling, twisting, critical_load, convex } = self.surfaces.largest();
         let turns = [(rolling, "rolling"), (twisting, "twisting")].into_iter().filter(|(number, _)| *number > 0.0);
         let more: String = turns.map(|(number, name)| format!(", of {name} up to {number}")).collect();
         let load = if critical_load > 0.0 { format!(", above normal forces of {critical_load}") } else { String::new() };
+        let law = if convex { "convex" } else { "exact" };
         format!(
-            "Coulomb's exact law at the level of velocities, with coefficients up to {coefficient}{more}{load}: of a contact the smaller ones of its surfaces"
+            "Coulomb's {law} law at the level of velocities, with coefficients up to {coefficient}{more}{load}: of a contact the smaller ones of its surfaces"
         )
     }
 

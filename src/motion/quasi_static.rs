@@ -323,7 +323,10 @@ impl<const D: usize> QuasiStatic<D> {
         match self.suspension.setup().interactions.touch() {
             Some(Touch::Hard) => {
                 let contacts = self.contact_step(placed, step);
-                let unpressed = contacts.without_contacts(velocities(moves), &observation.contacts);
+                // by the convex law contacts that slip open: what pushes them apart stays, and its steps, by Euler's rule, have nothing to make up for
+                let opens = self.suspension.setup().interactions.surfaces().largest().convex;
+                let pressed = if opens { &[] } else { &observation.contacts[..] };
+                let unpressed = contacts.without_contacts(velocities(moves), pressed);
                 let projection = self.keep_apart(&contacts, &unpressed, placed.state, moves)?;
                 let adhesive_contacts = self.remembered(placed, &projection.forces, step);
                 let smallest_gap = match self.suspension.setup().interactions.friction() {

@@ -185,7 +185,16 @@ fn check_friction(scene: &Scene) -> Result<()> {
     let expect = |right, remedy| expect(scene, right, "contact.friction", friction, remedy);
     let resolved = scene.dry() || scene.method.constraint == ConstraintMethod::Sharp;
     expect(resolved, "acts in dry runs and with method.constraint = \"sharp\" so far; set that or remove it")?;
+    check_convex(scene)?;
     check_turning(scene)
+}
+
+/// Refuses the convex law, which is one of a step, where steps are not by Euler's rule.
+fn check_convex(scene: &Scene) -> Result<()> {
+    let by_euler = scene.time.as_ref().is_some_and(|time| time.scheme == Scheme::Euler);
+    let convex = frictions(scene).find(|(_, law)| law.convex).filter(|_| !scene.dry() && !by_euler);
+    let remedy = "acts in dry runs and in Stokes flow with time.scheme = \"euler\"; set that, or take law = \"exact\"";
+    convex.map_or(Ok(()), |(key, _)| Err(scene.refuse(&format!("{key}.law"), "\"convex\"", remedy)))
 }
 
 /// Refuses surfaces that differ where friction knows one coefficient, or none.
@@ -203,15 +212,20 @@ fn check_surfaces(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
+/// Friction of all surfaces, walls and groups.
+fn frictions(scene: &Scene) -> impl Iterator<Item = (String, FrictionLaw)> {
+    let ContactSection { friction, wall_friction, .. } = scene.contact;
+    let of_walls = wall_friction.map(|law| ("contact.wall_friction".to_owned(), law));
+    std::iter::once(("contact.friction".to_owned(), friction)).chain(of_walls).chain(frictions_of_groups(scene))
+}
+
 fn frictions_of_groups(scene: &Scene) -> impl Iterator<Item = (String, FrictionLaw)> {
     (0..).zip(&scene.bodies).filter_map(|(group, bodies)| Some((format!("{}.friction", scene.group_key(group)), bodies.friction?)))
 }
 
 /// Refuses friction against twisting where bodies have no such spin.
 fn check_turning(scene: &Scene) -> Result<()> {
-    let ContactSection { friction, wall_friction, .. } = scene.contact;
-    let of_walls = wall_friction.map(|law| ("contact.wall_friction".to_owned(), law));
-    for (key, law) in std::iter::once(("contact.friction".to_owned(), friction)).chain(of_walls).chain(frictions_of_groups(scene)) {
+    for (key, law) in frictions(scene) {
         expect(
             scene,
             law.twisting == 0.0 || scene.dimension() == 3,
@@ -234,10 +248,11 @@ fn check_lubrication(scene: &Scene) -> Result<()> {
 }
 
 fn check_inverse(scene: &Scene) -> Result<()> {
-    let remedy = "transforms need a box with walls across one axis at most; set method.inverse = \"hypre\" or \"auto\"";
+    let remedy = "transforms need a box without an inflow; set method.inverse = \"hypre\" or \"auto\"";
     expect(
         scene,
-        scene.method.inverse != Some(InverseMethod::Transform) || walled(scene).count() <= 1,
+        scene.method.inverse != Some(InverseMethod::Transform)
+            || !scene.domain.axes.iter().any(|axis| matches!(axis, AxisSection::Open { .. })),
         "method.inverse",
         "\"transform\"",
         remedy,

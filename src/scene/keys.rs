@@ -340,10 +340,11 @@ fn of_friction(key: &str, law: &FrictionLaw) -> Keys {
     if law.is_plain() {
         return vec![number(key, law.coefficient)];
     }
-    let FrictionLaw { coefficient, rolling, twisting, critical_load } = *law;
+    let FrictionLaw { coefficient, rolling, twisting, critical_load, convex } = *law;
     let others =
         [("rolling", rolling), ("twisting", twisting), ("critical_load", critical_load)].into_iter().filter(|(_, value)| *value > 0.0);
-    std::iter::once(("coefficient", coefficient)).chain(others).map(|(name, value)| number(&format!("{key}.{name}"), value)).collect()
+    let numbers = std::iter::once(("coefficient", coefficient)).chain(others).map(|(name, value)| number(&format!("{key}.{name}"), value));
+    numbers.chain(convex.then(|| text(&format!("{key}.law"), "convex"))).collect()
 }
 
 fn of_interaction(interaction: &InteractionSection) -> Keys {

@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_sphere_on_a_wall_in_shear_rubs_above_the_critical_load),
         Test::of(a_heavy_disk_in_a_thin_fluid_is_slowed_by_what_exceeds_the_load),
         Test::of(no_contact_of_a_crowd_exceeds_its_bound),
+        Test::of(a_disk_or_sphere_that_slips_opens_by_the_convex_law),
         Test::of(small_loads_are_next_to_none_and_large_ones_next_to_no_friction),
     ]
 }
@@ -52,6 +53,26 @@ fn a_disk_on_a_wall_in_shear_rubs_above_the_critical_load(session: &Session) {
 
 fn a_sphere_on_a_wall_in_shear_rubs_above_the_critical_load(session: &Session) {
     rolls_or_slips(session, Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0);
+}
+
+/// Where surfaces stick both laws are one; where they slip the convex one lifts the ball by slip times coefficient times step.
+fn lifts<const D: usize>(session: &Session, size: SVector<f64, D>, spacing: f64) {
+    let found = |coefficient: f64, convex: bool| {
+        on_a_floor(session, (size, spacing), 20.0, FrictionLaw { convex, ..FrictionLaw::plain(coefficient) })
+    };
+    let [sticks, ratio, rolling, _] = found(10.0, true);
+    let [_, exact, velocity, _] = found(10.0, false);
+    assert!(sticks.abs() < 1e-5 && (ratio / exact - 1.0).abs() < 1e-4 && (velocity / rolling - 1.0).abs() < 1e-4, "{ratio} {exact}");
+    let [slip, held, lifted, _] = found(0.3 * ratio, true);
+    let [_, _, touching, _] = found(0.3 * ratio, false);
+    assert!(slip > 0.01 && (held / (0.3 * ratio) - 1.0).abs() < 1e-5, "{slip} {held}");
+    // higher it goes faster
+    assert!(lifted > touching * (1.0 + 1e-4), "{lifted} {touching}");
+}
+
+fn a_disk_or_sphere_that_slips_opens_by_the_convex_law(session: &Session) {
+    lifts(session, Vector2::new(8.0, 5.0), 0.25);
+    lifts(session, Vector3::new(5.0, 5.0, 4.0), 1.0 / 3.0);
 }
 
 /// How fast the first disk of a scene goes along x, at its first instant from a time on.

@@ -31,7 +31,7 @@ pub fn tests() -> Vec<Test> {
     ]
 }
 
-const ROLLING_AND_SLIDING: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0 };
+const ROLLING_AND_SLIDING: FrictionLaw = FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.0, critical_load: 0.0, convex: false };
 
 /// The couple of a contact over its normal force and the radius of a ball that touches at its roughness.
 fn ratio<const D: usize>(active: &ContactForce<D>) -> f64 {
@@ -42,7 +42,7 @@ fn ratio<const D: usize>(active: &ContactForce<D>) -> f64 {
 /// A ball on the floor of a box in shear rests where friction is enough and the couple that rest takes is below its bound; else it rolls with just the bound.
 fn rests_or_rolls<const D: usize>(session: &Session, size: SVector<f64, D>, spacing: f64, critical_load: f64) {
     let found = |rolling: f64| {
-        let law = FrictionLaw { coefficient: 10.0, rolling, twisting: 0.0, critical_load };
+        let law = FrictionLaw { rolling, critical_load, ..FrictionLaw::plain(10.0) };
         pressed_on_a_floor(session, (size, spacing), (20.0, SMatrix::zeros()), law)
     };
     let slip = |twist: &Twist<D>, active: &ContactForce<D>| twist.at(&(active.contact.normal * active.contact.separation)).norm();

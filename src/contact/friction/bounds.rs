@@ -18,6 +18,8 @@ pub struct Limit {
     pub friction: f64,
     /// The critical load.
     pub load: f64,
+    /// How fast a contact opens over how fast it slips.
+    pub dilation: f64,
 }
 
 impl Limit {

@@ -101,7 +101,7 @@ impl<const D: usize> Certified<'_, D> {
         let (force, velocity, friction) = (frame.components(&wrench.force), scaled(self.ends), coefficient * norms[1] / norms[0]);
         let impulse = std::array::from_fn(|axis| force[axis] * self.step * norms[axis]);
         Judged {
-            miss: natural_map(&impulse, &velocity, friction),
+            miss: natural_map(&impulse, &velocity, (friction, 0.0)),
             unit: scaled(self.twists).iter().fold(0.0, |unit, wanted| unit.max(wanted.abs())),
             state: ContactState::of(&impulse, &velocity, friction),
         }

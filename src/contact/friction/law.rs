@@ -24,6 +24,9 @@ pub struct FrictionLaw {
     pub twisting: f64,
     /// `c`, a force.
     pub critical_load: f64,
+    /// Whether a contact that slips opens by `mu |u_T|`, as the convex law has it (Anitescu and Tasora 2010, doi:10.1007/s10589-008-9223-4); by the exact one it
+    /// does not.
+    pub convex: bool,
 }
 
 impl FrictionLaw {
@@ -35,6 +38,11 @@ impl FrictionLaw {
     /// Whether it is Coulomb's law of a coefficient alone.
     pub fn is_plain(&self) -> bool {
         *self == FrictionLaw::plain(self.coefficient)
+    }
+
+    /// Whether more than a coefficient and a normal force bounds what a contact bears.
+    pub(super) fn has_bounds(&self) -> bool {
+        self.turns() || self.critical_load > 0.0
     }
 
     /// Whether couples resist.
@@ -50,13 +58,14 @@ impl FrictionLaw {
         }
     }
 
-    /// That of a contact of two surfaces: of each number the smaller one.
+    /// That of a contact of two surfaces: of each number the smaller one, and the convex law if one of them has it.
     pub fn with(&self, other: &FrictionLaw) -> FrictionLaw {
         FrictionLaw {
             coefficient: self.coefficient.min(other.coefficient),
             rolling: self.rolling.min(other.rolling),
             twisting: self.twisting.min(other.twisting),
             critical_load: self.critical_load.min(other.critical_load),
+            convex: self.convex || other.convex,
         }
     }
 
@@ -67,6 +76,7 @@ impl FrictionLaw {
             rolling: self.rolling.max(other.rolling),
             twisting: self.twisting.max(other.twisting),
             critical_load: self.critical_load.max(other.critical_load),
+            convex: self.convex || other.convex,
         }
     }
 }

@@ -4,12 +4,14 @@ use super::{
     bounds::{Limit, shortened},
     cone::{ContactState, larger, natural_map, project, tangential_size},
     program::FrictionProgram,
+    row_block::RowBlock,
 };
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     /// What bounds the tangential impulse of a row block.
     pub fn limit(&self, place: usize) -> Limit {
-        Limit { friction: self.row_blocks[place].friction, load: self.bounds.get(place).map_or(0.0, |bound| bound.load) }
+        let RowBlock { friction, dilation, .. } = self.row_blocks[place];
+        Limit { friction, dilation, load: self.bounds.get(place).map_or(0.0, |bound| bound.load) }
     }
 
     /// The contact whose normal impulse that is.
@@ -25,9 +27,9 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     /// The largest component by which a row block misses its part of the law: the natural map; with a load that of the normal and of the tangential part alone.
     pub fn miss(&self, place: usize, forces: &[[f64; D]], velocity: &[f64; D]) -> f64 {
         let force = &forces[place];
-        let Limit { friction, load } = self.limit(place);
+        let Limit { friction, load, dilation } = self.limit(place);
         if load == 0.0 && !self.follows(place) {
-            return natural_map(force, velocity, friction);
+            return natural_map(force, velocity, (friction, dilation));
         }
         let normal = forces[self.leader(place)][0];
         let aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
@@ -40,6 +42,9 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     pub fn state(&self, place: usize, forces: &[[f64; D]], velocities: &[[f64; D]]) -> ContactState {
         let (limit, leader) = (self.limit(place), self.leader(place));
         let aim: [f64; D] = std::array::from_fn(|axis| forces[place][axis] - velocities[place][axis]);
+        if limit.dilation > 0.0 {
+            return ContactState::by_projection(&aim, limit.friction);
+        }
         match forces[leader][0] - velocities[leader][0] {
             normal if normal <= 0.0 => ContactState::Open,
             normal if (limit.load == 0.0 || normal > limit.load) && tangential_size(&aim) <= limit.at(normal) => ContactState::Sticking,
@@ -50,7 +55,7 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
     /// Impulses that obey all bounds next to these, of which those that turn contacts have no normal part.
     pub fn within(&self, forces: &[[f64; D]]) -> Vec<[f64; D]> {
         let single = |place: usize| match self.limit(place) {
-            Limit { friction, load: 0.0 } if !self.follows(place) => project(forces[place], friction),
+            Limit { friction, load: 0.0, .. } if !self.follows(place) => project(forces[place], friction),
             limit => {
                 let next = shortened(&forces[place], limit.at(forces[self.leader(place)][0]));
                 std::array::from_fn(|axis| match axis {

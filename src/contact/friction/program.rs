@@ -70,13 +70,13 @@ impl<const D: usize> FrictionIsland<'_, D> {
     /// That of more bodies that give way than have contacts, in order.
     pub fn program_of<const W: usize>(&self, free: &[usize]) -> FrictionProgram<D, W> {
         let row_blocks: Vec<RowBlock<D, W>> =
-            self.contacts.iter().zip(self.laws).map(|(contact, law)| self.row_block(contact, law.coefficient, free)).collect();
+            self.contacts.iter().zip(self.laws).map(|(contact, law)| self.row_block(contact, law, free)).collect();
         let (row_blocks, bounds) = self.with_turns(row_blocks, free);
         let unit = row_blocks.iter().flat_map(|row_block| row_block.offset).fold(0.0, |unit: f64, offset| unit.max(offset.abs()));
         FrictionProgram { bodies: free.len(), medium: Rc::new(Medium::none()), row_blocks, bounds, unit, modes: Vec::new() }
     }
 
-    fn row_block<const W: usize>(&self, contact: &Contact<D>, coefficient: f64, free: &[usize]) -> RowBlock<D, W> {
+    fn row_block<const W: usize>(&self, contact: &Contact<D>, law: &FrictionLaw, free: &[usize]) -> RowBlock<D, W> {
         let frame = Frame::new(contact, self.balls);
         let mut ends: Vec<(usize, [[f64; W]; D])> = Vec::with_capacity(2);
         for (body, sign, arm) in [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, frame.arms[1])] {
@@ -92,9 +92,10 @@ impl<const D: usize> FrictionIsland<'_, D> {
         offset.iter_mut().zip(norms).for_each(|(offset, norm)| *offset /= norm);
         let end = |number: usize| ends.get(number).map_or(NONE, |end| end.0);
         let rows = |number: usize| ends.get(number).map_or([[0.0; W]; D], |end| end.1);
-        let row_block =
-            RowBlock { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction: coefficient * norms[1] / norms[0], norms };
-        if coefficient > 0.0 { row_block } else { row_block.without_friction() }
+        let friction = law.coefficient * norms[1] / norms[0];
+        let dilation = if law.convex { friction } else { 0.0 };
+        let row_block = RowBlock { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction, dilation, norms };
+        if law.coefficient > 0.0 { row_block } else { row_block.without_friction() }
     }
 
     /// How the motion of a body, times roots of mass and inertia, changes the velocity of a contact.

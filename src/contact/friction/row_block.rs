@@ -14,6 +14,8 @@ pub struct RowBlock<const D: usize, const W: usize> {
     pub offset: [f64; D],
     /// The coefficient of friction in these rows.
     pub friction: f64,
+    /// How fast a contact opens over how fast it slips: 0 by the exact law, the coefficient by the convex one.
+    pub dilation: f64,
     /// What an impulse in these rows is divided by to have the unit of momentum: the norms of the rows before.
     pub norms: [f64; D],
 }
@@ -23,7 +25,7 @@ impl<const D: usize, const W: usize> RowBlock<D, W> {
     pub fn without_friction(mut self) -> Self {
         self.rows.iter_mut().for_each(|rows| rows[1..].fill([0.0; W]));
         self.offset[1..].fill(0.0);
-        RowBlock { friction: 1.0, ..self }
+        RowBlock { friction: 1.0, dilation: 0.0, ..self }
     }
 
     /// Divides rows by factors, the same for all tangents.
@@ -34,6 +36,7 @@ impl<const D: usize, const W: usize> RowBlock<D, W> {
             self.norms[axis] *= factor;
         }
         self.friction *= factors[1] / factors[0];
+        self.dilation *= factors[1] / factors[0];
     }
 
     /// The bodies that give way, with their rows.

@@ -47,13 +47,16 @@ mod tests {
 
     #[test]
     fn the_smaller_number_of_a_contact_counts() {
-        let one = FrictionLaw { coefficient: 0.2, rolling: 0.1, twisting: 0.0, critical_load: 3.0 };
-        let two = FrictionLaw { coefficient: 0.7, rolling: 0.05, twisting: 0.1, critical_load: 4.0 };
+        let one = FrictionLaw { coefficient: 0.2, rolling: 0.1, critical_load: 3.0, ..FrictionLaw::default() };
+        let two = FrictionLaw { coefficient: 0.7, rolling: 0.05, twisting: 0.1, critical_load: 4.0, convex: false };
         let surfaces = SurfaceFriction::new(vec![one, two], FrictionLaw::plain(0.5));
         let with = |body, partner| surfaces.of((body, partner, [0; 2]));
-        assert_eq!(with(0, Partner::Body(1)), FrictionLaw { coefficient: 0.2, rolling: 0.05, twisting: 0.0, critical_load: 3.0 });
+        assert_eq!(
+            with(0, Partner::Body(1)),
+            FrictionLaw { coefficient: 0.2, rolling: 0.05, critical_load: 3.0, ..FrictionLaw::default() }
+        );
         assert_eq!(with(1, Partner::Wall { axis: 1, upper: false }), FrictionLaw::plain(0.5));
-        assert_eq!(surfaces.largest(), FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.1, critical_load: 4.0 });
+        assert_eq!(surfaces.largest(), FrictionLaw { coefficient: 0.7, rolling: 0.1, twisting: 0.1, critical_load: 4.0, convex: false });
         assert_eq!(SurfaceFriction::uniform(one).of((4, Partner::Body(9), [0; 3])), one);
     }
 }

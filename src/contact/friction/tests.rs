@@ -7,7 +7,7 @@ use nalgebra::SVector;
 
 use super::{
     FrictionLaw,
-    cone::TOLERANCE,
+    cone::{ContactState, TOLERANCE, tangential_size},
     medium::Medium,
     program::{FrictionIsland, FrictionProgram},
     row_block::{NONE, RowBlock},
@@ -146,11 +146,8 @@ fn the_interior_point_needs_no_guess_and_takes_a_good_one() {
     assert!(apart < 1e-8, "{apart:e}");
 }
 
-/// The cone of each contact is two half-planes in two dimensions; that it opens by `mu |u_T|` if it slips is put right from program to program (Acary et
-/// al. 2011, doi:10.1002/zamm.201000073).
-#[test]
-fn programs_of_convex_cones_end_at_the_same_motion() {
-    let program = disks().program::<3>(0.1);
+/// Rows of `u_N +- mu u_T`.
+fn half_planes(program: &FrictionProgram<2, 3>) -> CscMatrix<f64> {
     let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
     for (row_block, sign) in program.row_blocks.iter().flat_map(|row_block| [(row_block, 1.0), (row_block, -1.0)]) {
         let mut sides: Vec<_> = row_block.sides().collect();
@@ -161,7 +158,56 @@ fn programs_of_convex_cones_end_at_the_same_motion() {
         }
         starts.push(rows.len());
     }
-    let matrix = CscMatrix::new(3 * program.bodies, 2 * program.row_blocks.len(), starts, rows, values);
+    CscMatrix::new(3 * program.bodies, 2 * program.row_blocks.len(), starts, rows, values)
+}
+
+fn farthest<const W: usize>(one: &[[f64; W]], other: &[[f64; W]]) -> f64 {
+    one.as_flattened().iter().zip(other.as_flattened()).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+}
+
+/// By the convex law one program says all: interior point and sweeps end at its motion, and what slips opens.
+#[test]
+fn by_the_convex_law_motions_are_those_of_one_program() {
+    fn solved<const D: usize, const W: usize>(mut program: FrictionProgram<D, W>) -> (FrictionProgram<D, W>, Vec<[f64; D]>) {
+        program.row_blocks.iter_mut().for_each(|row_block| row_block.dilation = row_block.friction);
+        let none = vec![[0.0; D]; program.row_blocks.len()];
+        let end = follow(&program, &none, (1.0, 1e-11));
+        assert!(end.residual <= TOLERANCE && end.iterations <= 25, "{:e} after {}", end.residual, end.iterations);
+        let mut sweeps = Sweeps::new(&program, none);
+        sweeps.run(1e-10, 100_000);
+        assert!(farthest(&program.motion(&end.forces), &program.motion(&sweeps.forces)) < 1e-7);
+        let velocities = program.velocities_by(&end.forces);
+        let slipping = |place: &usize| program.state(*place, &end.forces, &velocities) == ContactState::Slipping;
+        let slips: Vec<usize> = (0..velocities.len()).filter(slipping).collect();
+        assert!(slips.len() > 3);
+        for place in slips {
+            let slip = tangential_size(&velocities[place]);
+            assert!((velocities[place][0] - program.row_blocks[place].friction * slip).abs() < 1e-8 && slip > 1e-3);
+        }
+        (program, end.forces)
+    }
+    solved(spheres().program::<6>(0.5));
+    for coefficient in [0.1, 0.5, 1.0] {
+        let (program, forces) = solved(disks().program::<3>(coefficient));
+        let offsets = program
+            .row_blocks
+            .iter()
+            .flat_map(|row_block| [1.0, -1.0].map(|sign| row_block.offset[0] + sign * row_block.friction * row_block.offset[1]));
+        let found = solve_general(&half_planes(&program), &[], &offsets.collect::<Vec<_>>()).unwrap().multipliers;
+        let both = found.as_chunks::<2>().0.iter().zip(&program.row_blocks);
+        let by_program: Vec<[f64; 2]> =
+            both.map(|([plus, minus], row_block)| [plus + minus, row_block.friction * (plus - minus)]).collect();
+        let apart = farthest(&program.motion(&forces), &program.motion(&by_program));
+        assert!(apart < 1e-6, "{coefficient}: {apart:e}");
+    }
+}
+
+/// The cone of each contact is two half-planes in two dimensions; that it opens by `mu |u_T|` if it slips is put right from program to program (Acary et
+/// al. 2011, doi:10.1002/zamm.201000073).
+#[test]
+fn programs_of_convex_cones_end_at_the_same_motion() {
+    let program = disks().program::<3>(0.1);
+    let matrix = half_planes(&program);
     let mut forces = vec![[0.0; 2]; program.row_blocks.len()];
     for _ in 0..30 {
         let velocities = program.velocities(&program.motion(&forces));
@@ -189,7 +235,8 @@ fn a_rod_of_painleve_has_an_impulse() {
         for (part, slip) in [0.9, 1.1, 2.0].into_iter().flat_map(|part| [(part, 1.0), (part, -1.0)]) {
             let rows = [[0.0, 1.0, arm[0] / inertia.sqrt()], [1.0, 0.0, -arm[1] / inertia.sqrt()]];
             let offset = [-0.01, slip];
-            let row_block = RowBlock { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, norms: [1.0; 2] };
+            let row_block =
+                RowBlock { ends: [0, NONE], rows: [rows, [[0.0; 3]; 2]], offset, friction: part * limit, dilation: 0.0, norms: [1.0; 2] };
             let program = FrictionProgram {
                 bodies: 1,
                 row_blocks: vec![row_block],

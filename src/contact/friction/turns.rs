@@ -133,7 +133,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
         mut row_blocks: Vec<RowBlock<D, W>>,
         free: &[usize],
     ) -> (Vec<RowBlock<D, W>>, Vec<Bound>) {
-        if self.laws.iter().all(FrictionLaw::is_plain) {
+        if !self.laws.iter().any(FrictionLaw::has_bounds) {
             return (row_blocks, Vec::new());
         }
         let bound = |(leader, (row_block, law)): (usize, (&RowBlock<D, W>, &FrictionLaw))| Bound {
@@ -169,7 +169,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
         }
         let rates = frame.turning_rates(contact, turn, self.twists);
         (1..D).for_each(|axis| row_block.offset[axis] = rates[axis] / row_block.norms[axis]);
-        RowBlock { friction: law.of_turn(turn) * row_block.norms[1] / row_block.norms[0], ..row_block }
+        RowBlock { friction: law.of_turn(turn) * row_block.norms[1] / row_block.norms[0], dilation: 0.0, ..row_block }
     }
 
     /// The impulses of wrenches in the rows of a program.

@@ -63,7 +63,7 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
 ];
 
 /// Keys of `contact.friction`.
-pub(in crate::scene) const FRICTION_KEYS: [Key; 4] = [
+pub(in crate::scene) const FRICTION_KEYS: [Key; 5] = [
     Key::new("coefficient", "number", "0.5", "Largest tangential force of a contact over its normal force.")
         .unit("ratio")
         .default("required")
@@ -89,11 +89,21 @@ pub(in crate::scene) const FRICTION_KEYS: [Key; 4] = [
         .unit("force")
         .default("0")
         .range("at least 0")
-        .needs("time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5"),
+        .needs(RUBBING),
+    Key::new(
+        "law",
+        "\"exact\" or \"convex\"",
+        "\"convex\"",
+        "Exact: Coulomb's law. Convex: the approximation of many programs of contact dynamics, in which a contact that slips opens by its slip times the \
+        coefficient, for comparison (dry or by Euler's rule); its error is of first order in the step. Of two surfaces that differ the convex one counts.",
+    )
+    .default("\"exact\"")
+    .needs(BY_EULER),
 ];
 
 const INELASTIC: &str = "time.end = 1.0; contact.model = \"inelastic\"";
 const RUBBING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5";
+const BY_EULER: &str = "time.end = 1.0; time.scheme = \"euler\"; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5";
 const TWISTING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; domain.size = [8.0, 8.0, 8.0]";
 
 /// What happens between bodies that touch.
@@ -204,7 +214,19 @@ pub(in crate::scene) fn friction(entry: &Entry) -> Result<FrictionLaw> {
         let number = entry.not_negative()?;
         entry.expect(number, number == 0.0 || coefficient > 0.0, "surfaces of coefficient 0 do not rub; give coefficient, or remove it")
     };
-    Ok(FrictionLaw { coefficient, rolling: other("rolling")?, twisting: other("twisting")?, critical_load: other("critical_load")? })
+    let law = FrictionLaw {
+        coefficient,
+        rolling: other("rolling")?,
+        twisting: other("twisting")?,
+        critical_load: other("critical_load")?,
+        convex: table.get("law").map_or(Ok(false), |entry| entry.choice(&[("exact", false), ("convex", true)], &[]))?,
+    };
+    match ["rolling", "twisting", "critical_load"].into_iter().filter_map(|key| table.get(key)).next() {
+        Some(entry) if law.convex => {
+            Err(entry.refuse("the convex law is there for a coefficient alone; remove it, or take law = \"exact\""))
+        }
+        _ => Ok(law),
+    }
 }
 
 fn roughness(entry: &Entry) -> Result<f64> {

@@ -55,7 +55,9 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
             sum + self.wrench(*row_block, &held.direction) * self.coefficient(*row_block)
         });
         let normal = self.wrench(place, &self.frames[place].axes[0]);
-        let mut rows = vec![self.row((place, 0), (&normal, &(normal + friction)), held.force.dot(&self.frames[place].axes[0]))];
+        // by the convex law a contact that slips opens, and the row is symmetric
+        let along = if self.laws[place].convex { normal + friction } else { normal };
+        let mut rows = vec![self.row((place, 0), (&along, &(normal + friction)), held.force.dot(&self.frames[place].axes[0]))];
         let critical_load = self.laws[place].critical_load;
         if critical_load > 0.0 && !slipping.is_empty() {
             rows.push(self.known(place, &(friction * -1.0), critical_load));

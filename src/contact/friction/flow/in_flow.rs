@@ -169,7 +169,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let (axes, limit) = (self.frames[place].row_axes(turn), self.program.limit(row_block));
         let in_space = |parts: &[f64; D]| -> SVector<f64, D> { (0..D).map(|axis| axes[axis] * parts[axis]).sum() };
         let mut aim: [f64; D] = std::array::from_fn(|axis| forces[row_block][axis] - velocities[row_block][axis]);
-        let (size, rubs) = (tangential_size(&aim), forces[place][0] - velocities[place][0] > limit.load);
+        let (size, rubs) = (tangential_size(&aim), limit.dilation > 0.0 || forces[place][0] - velocities[place][0] > limit.load);
         aim[0] = 0.0;
         let direction = if size > 0.0 && rubs { in_space(&aim) / size } else { SVector::zeros() };
         let force = in_space(&std::array::from_fn(|axis| forces[row_block][axis] / norms[axis]));

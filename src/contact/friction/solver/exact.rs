@@ -2,7 +2,11 @@
 //! too soon.
 
 use super::{interior_point::follow, sweeps::Sweeps};
-use crate::contact::friction::{cone::TOLERANCE, program::FrictionProgram};
+use crate::contact::friction::{
+    cone::{TOLERANCE, tangential_size},
+    program::FrictionProgram,
+    row_block::RowBlock,
+};
 
 /// What the interior point goes on to where that is near: its last iterations double the digits.
 const AIM: f64 = 1e-11;
@@ -41,7 +45,7 @@ pub struct Found<const D: usize> {
 
 /// The impulses, or the best that were found, from a guess.
 pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: Vec<[f64; D]>) -> Found<D> {
-    if program.row_blocks.iter().all(|row_block| row_block.offset[0] >= 0.0) {
+    if program.row_blocks.iter().all(|row_block| opening(row_block, &row_block.offset) >= 0.0) {
         return Found { forces: vec![[0.0; D]; guess.len()], residual: 0.0, sweeps: 0, iterations: 0 };
     }
     let most = (MOST_CONTACTS / guess.len()).min(MOST_SWEEPS[1]);
@@ -82,7 +86,7 @@ fn from_sweeps<const D: usize, const W: usize>(
     let velocities = program.velocities(&program.motion(forces));
     let stays = |place: &usize| {
         let leader = program.leader(*place);
-        forces[leader] != [0.0; D] || velocities[leader][0] < OPEN * program.unit
+        forces[leader] != [0.0; D] || opening(&program.row_blocks[leader], &velocities[leader]) < OPEN * program.unit
     };
     let near: Vec<usize> = (0..forces.len()).filter(stays).collect();
     let part = program.part(&near);
@@ -91,6 +95,11 @@ fn from_sweeps<const D: usize, const W: usize>(
     let mut found = forces.clone();
     near.iter().zip(end.forces).for_each(|(&place, force)| found[place] = force);
     (found, end.iterations)
+}
+
+/// How fast a contact opens beyond what its slip asks for.
+fn opening<const D: usize, const W: usize>(row_block: &RowBlock<D, W>, velocity: &[f64; D]) -> f64 {
+    velocity[0] - row_block.dilation * tangential_size(velocity)
 }
 
 fn largest<const D: usize>(forces: &[[f64; D]]) -> f64 {

@@ -120,8 +120,8 @@ impl<'a, const D: usize, const W: usize> Iterate<'a, D, W> {
 
     /// What bounds the tangential impulse of a row block in these units.
     fn limit(&self, place: usize) -> Limit {
-        let Limit { friction, load } = self.program.limit(place);
-        Limit { friction, load: load / self.program.unit }
+        let limit = self.program.limit(place);
+        Limit { load: limit.load / self.program.unit, ..limit }
     }
 
     /// The impulse that a row block has itself: of one that turns a contact the pair has the normal impulse of that.

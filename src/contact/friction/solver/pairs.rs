@@ -7,7 +7,7 @@ use crate::contact::friction::{bounds::Limit, cone::tangential_size};
 pub struct Pairs<const D: usize> {
     /// Normal impulse.
     pub normal: f64,
-    /// Normal velocity.
+    /// Normal velocity, by the convex law less what a slip must have.
     pub opening: f64,
     /// `(mu n, r_T)`.
     pub bound: [f64; D],
@@ -23,6 +23,10 @@ pub struct Newton<const D: usize> {
     pairs: Pairs<D>,
     /// How the bound grows with the normal impulse.
     slope: f64,
+    /// How fast the contact opens over how fast it slips.
+    dilation: f64,
+    /// What is multiplied by the change of the normal impulse in the first product.
+    ease: f64,
     /// What is wrong: of the normal velocity, of the tangential ones (the first component is none), and of the bound.
     opening: f64,
     slip: [f64; D],
@@ -67,7 +71,7 @@ impl<const D: usize> Pairs<D> {
     /// Those with products of the square of `start` near an impulse and a velocity.
     pub fn near(force: &[f64; D], velocity: &[f64; D], limit: Limit, start: f64) -> Pairs<D> {
         let product = start * start;
-        let half = 0.5 * (velocity[0] - force[0]);
+        let half = 0.5 * (velocity[0] - limit.dilation * tangential_size(velocity) - force[0]);
         let root = (half * half + product).sqrt();
         let opening = if half > 0.0 { root + half } else { product / (root - half) };
         let normal = product / opening;
@@ -122,23 +126,34 @@ impl<const D: usize> Newton<D> {
             matrix: [[0.0; D]; D],
             pairs: *pairs,
             slope,
-            opening: velocity[0] - pairs.opening,
+            dilation: limit.dilation,
+            ease: pairs.opening,
+            opening: velocity[0] - limit.dilation * pairs.slip[0] - pairs.opening,
             slip: std::array::from_fn(|axis| if axis == 0 { 0.0 } else { velocity[axis] - pairs.slip[axis] }),
             bound: most - pairs.bound[0],
             ratio: std::array::from_fn(|axis| if axis == 0 { 0.0 } else { pairs.bound[axis] / pairs.bound[0] }),
             bend: [0.0; D],
         };
         newton.bend = std::array::from_fn(|axis| if axis == 0 { 0.0 } else { newton.ratio[axis] * pairs.slip[0] - pairs.slip[axis] });
-        let stiffness = pairs.normal / pairs.opening;
-        newton.matrix[0][0] = stiffness;
         let bent = newton.inverse(&newton.bend);
+        let by_normal = std::array::from_fn(|axis| if axis == 0 { slope } else { slope * bent[axis] });
+        newton.ease -= pairs.normal * limit.dilation * newton.slip(&by_normal, &[0.0; D], 0.0);
+        let stiffness = pairs.normal / newton.ease;
+        newton.matrix[0][0] = stiffness;
         (1..D).for_each(|axis| newton.matrix[axis][0] = slope * stiffness * bent[axis]);
         for column in 1..D {
             let unit = std::array::from_fn(|axis| f64::from(axis == column));
             let turned = newton.inverse(&newton.turn(&unit));
-            (1..D).for_each(|axis| newton.matrix[axis][column] = turned[axis]);
+            let opening = limit.dilation * newton.slip(&turned.map(|component| -component), &unit, 0.0);
+            newton.matrix[0][column] = -stiffness * opening;
+            (1..D).for_each(|axis| newton.matrix[axis][column] = turned[axis] - stiffness * opening * by_normal[axis]);
         }
         newton
+    }
+
+    /// The change of `l` that takes a product away where `b` and `e_T` change so.
+    fn slip(&self, bound: &[f64; D], slip: &[f64; D], product: f64) -> f64 {
+        (-product - dot(&self.pairs.slip, bound) - tangential(&self.pairs.bound, slip)) / self.pairs.bound[0]
     }
 
     /// `(e_0 - ratio e_T^T)^-1` of a tangential vector.
@@ -157,13 +172,21 @@ impl<const D: usize> Newton<D> {
 
     /// The change of the impulse, while the motion stays, that takes away products and what is wrong.
     pub fn first(&self, (normal, tangential): &(f64, [f64; D])) -> [f64; D] {
-        let push = -(normal + self.pairs.normal * self.opening) / self.pairs.opening;
         let turned = self.turn(&self.slip);
-        let bound = self.slope * push + self.bound;
-        let side = std::array::from_fn(|axis| {
-            if axis == 0 { 0.0 } else { -tangential[axis] + self.ratio[axis] * tangential[0] + self.bend[axis] * bound - turned[axis] }
-        });
-        let mut first = self.inverse(&side);
+        let across = |bound: f64| -> [f64; D] {
+            let side = std::array::from_fn(|axis| {
+                if axis == 0 { 0.0 } else { -tangential[axis] + self.ratio[axis] * tangential[0] + self.bend[axis] * bound - turned[axis] }
+            });
+            self.inverse(&side)
+        };
+        let mut opening = self.opening;
+        if self.dilation > 0.0 {
+            let mut alone = across(self.bound);
+            alone[0] = self.bound;
+            opening -= self.dilation * self.slip(&alone, &self.slip, tangential[0]);
+        }
+        let push = -(normal + self.pairs.normal * opening) / self.ease;
+        let mut first = across(self.slope * push + self.bound);
         first[0] = push;
         first
     }
@@ -173,8 +196,8 @@ impl<const D: usize> Newton<D> {
         let impulse: [f64; D] = std::array::from_fn(|axis| first[axis] - dot(&self.matrix[axis], rates));
         let bound = std::array::from_fn(|axis| if axis == 0 { self.slope * impulse[0] + self.bound } else { impulse[axis] });
         let mut slip: [f64; D] = std::array::from_fn(|axis| rates[axis] + self.slip[axis]);
-        slip[0] = (-products[0] - dot(&self.pairs.slip, &bound) - tangential(&self.pairs.bound, &slip)) / self.pairs.bound[0];
-        Pairs { normal: impulse[0], opening: rates[0] + self.opening, bound, slip }
+        slip[0] = self.slip(&bound, &slip, products[0]);
+        Pairs { normal: impulse[0], opening: rates[0] + self.opening - self.dilation * slip[0], bound, slip }
     }
 }
 
@@ -184,14 +207,20 @@ mod tests {
 
     #[test]
     fn a_change_takes_products_away_to_first_order() {
+        [0.0, 0.6].into_iter().for_each(change_by);
+    }
+
+    fn change_by(dilation: f64) {
         let pairs = Pairs { normal: 0.7, opening: 0.4, bound: [0.5, 0.2, -0.1], slip: [0.9, -0.3, 0.2] };
         let (velocity, friction) = ([0.5, -0.1, 0.3], 0.6);
-        let newton = Newton::of(&pairs, &velocity, (Limit { friction, load: 0.0 }, 0.0));
+        let newton = Newton::of(&pairs, &velocity, (Limit { friction, load: 0.0, dilation }, 0.0));
         let products = pairs.products();
         let (first, rates) = (newton.first(&products), [0.03, -0.02, 0.05]);
         let change = newton.change(&first, &rates, &products);
         let normal = pairs.normal * change.opening + pairs.opening * change.normal;
         assert!((normal + products.0).abs() < 1e-15);
+        let opening = velocity[0] + rates[0] - dilation * (pairs.slip[0] + change.slip[0]);
+        assert!((pairs.opening + change.opening - opening).abs() < 1e-15);
         let mixed = |axis: usize| {
             pairs.bound[0] * change.slip[axis]
                 + change.bound[0] * pairs.slip[axis]

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::contact::friction::{
     bounds::shortened,
-    cone::tangential_size,
+    cone::{project, tangential_size},
     program::FrictionProgram,
     row_block::{NONE, RowBlock},
 };
@@ -71,7 +71,8 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
         }
         for &place in &self.order {
             let row_block = &self.program.row_blocks[place as usize];
-            alone(row_block, &mut self.forces[place as usize], &mut self.motion, |without| solution(without, row_block.friction));
+            let solved = if row_block.dilation > 0.0 { projection } else { solution };
+            alone(row_block, &mut self.forces[place as usize], &mut self.motion, |without| solved(without, row_block.friction));
         }
     }
 
@@ -82,6 +83,9 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
             let (limit, leader) = (self.program.limit(place), self.program.leader(place));
             let of_leader = self.forces[leader][0];
             alone(&self.program.row_blocks[place], &mut self.forces[place], &mut self.motion, |without| {
+                if limit.dilation > 0.0 {
+                    return projection(without, limit.friction);
+                }
                 let normal = if leader == place { (-without[0]).max(0.0) } else { of_leader };
                 let mut next = shortened(&without.map(|velocity| -velocity), limit.at(normal));
                 next[0] = if leader == place { normal } else { 0.0 };
@@ -116,6 +120,11 @@ fn alone<const D: usize, const W: usize>(
         }
     }
     *force = next;
+}
+
+/// The impulse of a contact that moves so without one, by the convex law.
+fn projection<const D: usize>(without: &[f64; D], friction: f64) -> [f64; D] {
+    project(without.map(|velocity| -velocity), friction)
 }
 
 /// The impulse of a contact that moves so without one.
