@@ -14,4 +14,4 @@ pub use convection::{Convection, fastest};
 pub use drive::Drive;
 pub use open_ends::OpenEnds;
 pub use stokes::Stokes;
-pub use stokes_inverse::{FluidSystem, HypreInverse, InverseMethod, IteratedInverse, StokesInverse, TransformInverse, Transposes};
+pub use stokes_inverse::{FluidSystem, InverseMethod, IteratedInverse, StokesInverse, TransformInverse, Transposes};

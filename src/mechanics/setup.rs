@@ -148,15 +148,16 @@ impl<const D: usize> Setup<D> {
     /// # Errors
     /// The box does not allow it, or PETSc has no memory for it.
     pub fn inverse_of(&self, stokes: &Stokes<D>, grid: &Grid<D>) -> Result<Box<dyn StokesInverse<D>>> {
-        match (self.inverse, self.inner_tolerance()) {
-            (InverseMethod::Hypre, Some(tolerance)) => Ok(Box::new(IteratedInverse::new(stokes, grid, tolerance)?)),
-            (method, _) => method.set_up(stokes, grid),
+        let inverse = self.inverse.set_up(stokes, grid)?;
+        match self.inner_tolerance() {
+            Some(tolerance) if !inverse.exact() => Ok(Box::new(IteratedInverse::new(inverse, tolerance))),
+            _ => Ok(inverse),
         }
     }
 
     /// Whether that is exact.
     pub fn inverts_exactly(&self) -> bool {
-        self.inverse == InverseMethod::Transform || self.inner_tolerance().is_some()
+        self.inverse.is_exact(&self.domain) || self.inner_tolerance().is_some()
     }
 
     /// The word for what inverts the fluid.

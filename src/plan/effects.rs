@@ -44,7 +44,8 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
             flow_name(setup),
             match setup.inverse {
                 InverseMethod::Hypre => format!("one matrix a component, {hierarchies} multigrid hierarchies (hypre)"),
-                InverseMethod::Transform => "no matrices: exact Stokes solver by Fourier transforms".into(),
+                method if method.is_exact(&setup.domain) => "no matrices: exact Stokes solver by Fourier transforms".into(),
+                InverseMethod::Transform => "one matrix a component, transforms along all axes in the place of multigrid".into(),
             },
         ),
         Effect::on("pressure", "one unknown for each cell".into()),

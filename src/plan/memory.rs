@@ -70,6 +70,10 @@ pub fn bytes<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, counts: &[usize],
                 let nonzeros = cells * (distinct_laplacians(grid) as f64 * points * HIERARCHY_FACTOR + 4.0 * D as f64);
                 nonzeros * BYTES_PER_NONZERO + (KRYLOV_VECTORS + remembered) * (fluid_vector + multipliers)
             }
+            InverseMethod::Transform if !setup.inverts_exactly() => {
+                let nonzeros = cells * (distinct_laplacians(grid) as f64 * points + 4.0 * D as f64);
+                nonzeros * BYTES_PER_NONZERO + 8.0 * cells + (KRYLOV_VECTORS + remembered) * (fluid_vector + multipliers)
+            }
             InverseMethod::Transform => {
                 let walled = if setup.domain.fully_periodic() { 0.0 } else { WALLED_LINE_BYTES };
                 let separate = if setup.domain.fully_periodic() && grid.partition().blocks() == 1 { 0.0 } else { SEPARATE_VECTORS };

@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use turbid::{
-    flow::{FluidSystem, HypreInverse, Stokes, StokesInverse},
+    flow::{FluidSystem, InverseMethod, Stokes, StokesInverse},
     geometry::{Axis, Domain},
     grid::{
         Grid,
@@ -37,7 +37,7 @@ pub fn tests() -> Vec<Test> {
 struct Fluid<const D: usize> {
     grid: Grid<D>,
     stokes: Stokes<D>,
-    inverse: HypreInverse,
+    inverse: Box<dyn StokesInverse<D>>,
 }
 
 fn velocities_and_pressure_are_of_second_order(session: &Session) {
@@ -248,7 +248,7 @@ impl<const D: usize> Fluid<D> {
 
     fn of(session: &Session, grid: Grid<D>) -> Fluid<D> {
         let stokes = Stokes::new(session, &grid);
-        let inverse = HypreInverse::new(&stokes, &grid).unwrap();
+        let inverse = InverseMethod::Hypre.set_up(&stokes, &grid).unwrap();
         Fluid { grid, stokes, inverse }
     }
 
@@ -287,7 +287,7 @@ impl<const D: usize> Fluid<D> {
 
     fn solve(&mut self, rhs: &Vector, tolerance: f64) -> (Vector, Report) {
         let mut x = rhs.like().unwrap();
-        let mut system = FluidSystem { stokes: &self.stokes, inverse: Some(&mut self.inverse) };
+        let mut system = FluidSystem { stokes: &self.stokes, inverse: Some(self.inverse.as_mut()) };
         let report = system.solve(rhs, &mut x, tolerance, 200).unwrap();
         (x, report)
     }

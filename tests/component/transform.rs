@@ -3,8 +3,8 @@
 use nalgebra::SVector;
 use turbid::{
     error::Error,
-    flow::{FluidSystem, IteratedInverse, Stokes, StokesInverse, TransformInverse},
-    geometry::{Axis, Domain, LeesEdwards},
+    flow::{FluidSystem, InverseMethod, IteratedInverse, Stokes, StokesInverse, TransformInverse},
+    geometry::{Axis, Domain, Inflow, LeesEdwards},
     grid::{BlockLayout, Exchange, Grid, Partition, Pencils, Redistribution},
     petsc::{Session, System, Vector},
 };
@@ -21,7 +21,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(the_inverse_of_the_operator_is_the_identity),
         Test::of(the_transform_agrees_with_hypre_iterated),
         Test::of(rows_that_no_flow_can_meet_are_dropped),
-        Test::of(closed_boxes_are_refused_with_a_remedy),
+        Test::of(closed_boxes_have_the_flow_of_multigrid_after_as_few_iterations_on_any_grid),
+        Test::of(boxes_with_an_inflow_are_refused_with_a_remedy),
     ]
 }
 
@@ -120,7 +121,7 @@ fn the_inverse_of_the_operator_is_the_identity(session: &Session) {
 fn the_transform_agrees_with_hypre_iterated(session: &Session) {
     fn proof<const D: usize>(mut fluid: Fluid<D>) {
         let rows = fluid.rows();
-        let mut iterated = IteratedInverse::new(&fluid.stokes, &fluid.grid, 1e-11).unwrap();
+        let mut iterated = IteratedInverse::new(InverseMethod::Hypre.set_up(&fluid.stokes, &fluid.grid).unwrap(), 1e-11);
         let mut solution = rows.like().unwrap();
         iterated.precondition(&fluid.stokes, &rows, &mut solution).unwrap();
         // iterations leave means of the size of their tolerance
@@ -146,20 +147,55 @@ fn rows_that_no_flow_can_meet_are_dropped(session: &Session) {
     each_box(session, proof, proof);
 }
 
-fn closed_boxes_are_refused_with_a_remedy(session: &Session) {
-    fn proof<const D: usize>(session: &Session, walled: [bool; D]) {
-        let domain = domain(walled);
-        assert!(!TransformInverse::fits(&domain));
-        let grid = grid(session, &domain, 8);
-        let error = TransformInverse::new(&Stokes::new(session, &grid), &grid).err().unwrap();
-        let Error::Refused(text) = error else { panic!("{error:?}") };
-        for part in ["method.inverse = \"transform\"", "walls across one axis at most", "method.inverse = \"hypre\""] {
-            assert!(text.remedy.contains(part), "{text:?} lacks {part:?}");
+/// Boxes with walls across more than one axis, without inertia and with much.
+fn closed_boxes_have_the_flow_of_multigrid_after_as_few_iterations_on_any_grid(session: &Session) {
+    /// Iterations of both methods, which find the same.
+    fn proof<const D: usize>(session: &Session, cells: [usize; D], periodic: Option<usize>, shift: f64) -> [usize; 2] {
+        let mut domain = unequal(cells, None);
+        let walls = Axis::Walls { lower: SVector::zeros(), upper: SVector::zeros() };
+        domain.axes = std::array::from_fn(|axis| if Some(axis) == periodic { Axis::Periodic } else { walls });
+        assert!(InverseMethod::fastest(&domain) == InverseMethod::Transform && !TransformInverse::fits(&domain));
+        let grid = Grid::new(&domain, 1.0, session.world().size(), session.world().rank()).unwrap();
+        let stokes = Stokes::shifted(session, &grid, shift);
+        let mut rows = stokes.vector().unwrap();
+        for field in 0..=D {
+            let entries = &mut rows.local_mut().unwrap()[grid.local_range(field)];
+            entries.iter_mut().zip(grid.block(field).indices()).for_each(|(entry, index)| *entry = noise(field, index));
+        }
+        stokes.balance(&mut rows).unwrap();
+        let solved = [InverseMethod::Transform, InverseMethod::Hypre].map(|method| {
+            let mut inverse = method.set_up(&stokes, &grid).unwrap();
+            let mut solution = stokes.vector().unwrap();
+            let system = FluidSystem { stokes: &stokes, inverse: Some(inverse.as_mut()) };
+            let report = { system }.solve(&rows, &mut solution, 1e-10, 200);
+            let report = report.unwrap_or_else(|error| panic!("{method:?}, {cells:?} cells, shift {shift}: {error}"));
+            (solution, report.iterations)
+        });
+        let [(mut solution, iterations), (other, cycles)] = solved;
+        solution.add(-1.0, &other).unwrap();
+        let error = solution.norm().unwrap() / other.norm().unwrap();
+        assert!(error < 1e-7, "{error:e} in {cells:?} cells, shift {shift}");
+        [iterations, cycles]
+    }
+    let [coarse, fine] = [24, 48].map(|cells| proof(session, [cells; 2], None, 0.0));
+    assert!(fine[0] <= fine[1] && fine[0] <= coarse[0] + 3, "{coarse:?} {fine:?}");
+    for shift in [0.0, 0.3] {
+        CELLS_2D.into_iter().for_each(|cells| _ = proof(session, cells, None, shift));
+        for cells in CELLS_3D {
+            [None, Some(0), Some(1), Some(2)].into_iter().for_each(|periodic| _ = proof(session, cells, periodic, shift));
         }
     }
-    proof(session, [true, true]);
-    proof(session, [true, true, true]);
-    proof(session, [true, false, true]);
+}
+
+fn boxes_with_an_inflow_are_refused_with_a_remedy(session: &Session) {
+    let mut domain = domain([true, true]);
+    domain.axes[0] = Axis::Open(Inflow { speed: 1.0, parabolic: false });
+    let grid = grid(session, &domain, 8);
+    let error = InverseMethod::Transform.set_up(&Stokes::new(session, &grid), &grid).err().unwrap();
+    let Error::Refused(text) = error else { panic!("{error:?}") };
+    for part in ["method.inverse = \"transform\"", "without an inflow", "method.inverse = \"hypre\""] {
+        assert!(text.remedy.contains(part), "{text:?} lacks {part:?}");
+    }
 }
 
 impl<const D: usize> Fluid<D> {

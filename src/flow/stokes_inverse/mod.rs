@@ -1,15 +1,15 @@
 //! Inverses, approximate or exact, of the Stokes operator.
 
 mod cross_section;
-mod hypre;
 mod inverse;
 mod iterated;
 mod method;
+mod multigrid;
+mod projection;
 mod slender;
 mod system;
 mod transform;
 
-pub use hypre::HypreInverse;
 pub use inverse::StokesInverse;
 pub use iterated::IteratedInverse;
 pub use method::InverseMethod;

@@ -13,23 +13,23 @@
 
 use std::ops::Range;
 
-use super::{HypreInverse, Stokes, StokesInverse, cross_section::CrossSection};
+use super::{Stokes, StokesInverse, cross_section::CrossSection, projection::ProjectionInverse};
 use crate::{error::Result, grid::Grid, parallel::World, petsc::Vector};
 
 /// Schur complement of the longest wave along a box, below which the flow along it is solved apart.
 const SLENDER: f64 = 0.25;
 
-/// The hypre inverse refined for slender boxes: it gets what the flow along the box leaves.
+/// The projection form refined for slender boxes: it gets what the flow along the box leaves.
 pub struct SlenderInverse {
     along: FlowAlong,
-    local: HypreInverse,
+    local: ProjectionInverse,
     left: Vector,
     flow: Vector,
 }
 
 impl SlenderInverse {
     /// Refines an inverse.
-    pub fn new<const D: usize>(stokes: &Stokes<D>, along: FlowAlong, local: HypreInverse) -> Result<Self> {
+    pub fn new<const D: usize>(stokes: &Stokes<D>, along: FlowAlong, local: ProjectionInverse) -> Result<Self> {
         Ok(SlenderInverse { along, local, left: stokes.vector()?, flow: stokes.vector()? })
     }
 }

@@ -61,8 +61,10 @@ impl Growth {
 /// Seconds that transforms of a grid take for each cell, over those of a sample's.
 fn transforms<const D: usize>(setup: &Setup<D>, sample: &Setup<D>) -> f64 {
     let of_grid = |setup: &Setup<D>| {
-        let periodic = (0..D).filter(|&axis| setup.domain.periodic(axis));
-        periodic.map(|axis| transform(cells_along(&setup.domain.size, setup.spacing)[axis] as usize)).sum::<f64>()
+        // between walls a box is transformed along all axes if it is along more than one
+        let all = !setup.inverse.is_exact(&setup.domain);
+        let axes = (0..D).filter(|&axis| all || setup.domain.periodic(axis));
+        axes.map(|axis| transform(cells_along(&setup.domain.size, setup.spacing)[axis] as usize)).sum::<f64>()
     };
     let (one, other) = (of_grid(setup), of_grid(sample));
     if other > 0.0 { one / other } else { 1.0 }

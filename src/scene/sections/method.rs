@@ -35,7 +35,7 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "\"hypre\", \"transform\" or \"auto\"",
         "\"auto\"",
         "What solves for the fluid of the empty box: algebraic multigrid for \
-        any box, transforms where walls lie across one axis at most, or the faster one that fits.",
+        any box, transforms for any without an inflow (exact where walls lie across one axis at most), or the faster one that fits.",
     )
     .default("\"auto\""),
     Key::new(

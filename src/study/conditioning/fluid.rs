@@ -1,6 +1,6 @@
 //! The fluid without bodies: iterations with hypre, which stay, and with no preconditioner, which grow at least like `1/h`.
 
-use std::ops::Range;
+use std::{ops::Range, time::Instant};
 
 use nalgebra::SVector;
 use serde::Serialize;
@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::grids::grids;
 use crate::{
     error::{Error, Result},
-    flow::{FluidSystem, HypreInverse, Stokes},
+    flow::{FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Domain},
     grid::Grid,
     petsc::{Krylov, KrylovMethod, KrylovSettings, Session, System, Vector},
@@ -71,11 +71,12 @@ fn row<const D: usize>(session: &Session, walls: usize, cells: usize) -> Result<
     let domain = Domain::<D> { size: SVector::repeat(1.0), axes };
     let grid = Grid::new(&domain, 1.0 / cells as f64, session.world().size(), session.world().rank())?;
     let stokes = Stokes::new(session, &grid);
-    let mut inverse = HypreInverse::new(&stokes, &grid)?;
+    let start = Instant::now();
+    let mut inverse = InverseMethod::Hypre.set_up(&stokes, &grid)?;
+    let setup_seconds = start.elapsed().as_secs_f64();
     let rhs = right_hand_side(&stokes, &grid)?;
-    let setup_seconds = inverse.setup_seconds();
     let mut x = stokes.vector()?;
-    let hypre = FluidSystem { stokes: &stokes, inverse: Some(&mut inverse) }.solve(&rhs, &mut x, TOLERANCE, MOST_ITERATIONS)?;
+    let hypre = FluidSystem { stokes: &stokes, inverse: Some(inverse.as_mut()) }.solve(&rhs, &mut x, TOLERANCE, MOST_ITERATIONS)?;
     let plain = match plain_iterations(&stokes, &rhs) {
         Ok(iterations) => Some(iterations),
         Err(Error::Diverged(_)) => None,

@@ -4,11 +4,13 @@
 //! for every wave along the others, and the same way leads back. Where images slide, the axis across the boundary comes last: for every
 //! wave along x the displacement of the images is a phase.
 
+mod along_axis;
 mod channel;
 mod fourier;
 mod lees_edwards;
 mod lines;
 mod periodic;
+mod separated;
 mod stages;
 mod symbols;
 mod wall_to_wall;
@@ -17,7 +19,6 @@ use std::{ops::Range, time::Instant};
 
 use rustfft::num_complex::Complex;
 
-pub use self::stages::Transposes;
 use self::{
     channel::ChannelLines,
     fourier::{ComplexTransform, RealTransform},
@@ -26,6 +27,7 @@ use self::{
     stages::Stages,
     symbols::Symbols,
 };
+pub use self::{separated::SeparatedInverse, stages::Transposes};
 use super::{Stokes, StokesInverse};
 use crate::{
     error::{Error, Result},
@@ -82,9 +84,7 @@ impl<const D: usize> TransformInverse<D> {
     pub fn new(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<TransformInverse<D>> {
         let setup = Instant::now();
         if !Self::fits(grid.domain()) {
-            return Err(Error::refused(
-                "method.inverse = \"transform\" needs a box with walls across one axis at most; use method.inverse = \"hypre\"",
-            ));
+            return Err(Error::refused("the exact inverse needs a box with walls across one axis at most; set one up by its method"));
         }
         let rank = stokes.session().world().rank();
         let Stages { own, whole, waves: stages, order } = Stages::new(grid);

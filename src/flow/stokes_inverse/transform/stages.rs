@@ -29,6 +29,13 @@ impl<const D: usize> Stages<D> {
     }
 }
 
+/// The layouts in which the fields are transformed one after the other: the blocks of the grid, and those where each axis is whole, with these in order.
+pub fn separated<const D: usize>(grid: &Grid<D>) -> (Vec<BlockLayout<D>>, [usize; D]) {
+    let own = BlockLayout((0..grid.partition().blocks()).map(|rank| grid.partition().block(rank)).collect());
+    let pencils = Pencils::new(&own, grid.cells(), None);
+    (std::iter::once(own).chain(pencils.layouts(grid.cells())).collect(), pencils.order())
+}
+
 /// What the busiest rank sends in one solve by transforms: all values but those that it keeps, there and back.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Transposes {
@@ -41,9 +48,18 @@ pub struct Transposes {
 impl Transposes {
     /// Of a solve on a grid.
     pub fn of<const D: usize>(grid: &Grid<D>) -> Transposes {
+        if (0..D).filter(|&axis| !grid.domain().periodic(axis)).count() > 1 {
+            let (layouts, _) = separated(grid);
+            let moves = layouts.windows(2).map(|pair| (&pair[0], &pair[1], size_of::<f64>()));
+            let all = Transposes::of_moves::<D>(moves);
+            return Transposes { messages: (D + 1) as f64 * all.messages, ..all };
+        }
         let Stages { own, whole, waves, .. } = Stages::new(grid);
         let moves = std::iter::once((&own, &whole, size_of::<f64>()));
-        let moves = moves.chain(waves.windows(2).map(|pair| (&pair[0], &pair[1], size_of::<Complex<f64>>())));
+        Transposes::of_moves::<D>(moves.chain(waves.windows(2).map(|pair| (&pair[0], &pair[1], size_of::<Complex<f64>>()))))
+    }
+
+    fn of_moves<'a, const D: usize>(moves: impl Iterator<Item = (&'a BlockLayout<D>, &'a BlockLayout<D>, usize)>) -> Transposes {
         let mut all = Transposes::default();
         for (from, to, size) in moves {
             for (messages, indices) in [from.sent_to(to), to.sent_to(from)] {

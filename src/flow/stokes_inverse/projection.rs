@@ -1,66 +1,53 @@
-//! The projection form of the Stokes inverse with one BoomerAMG V-cycle for each scalar inverse.
+//! The projection form of the Stokes inverse, with an inverse of each scalar block.
 //!
-//! With `A^` and `L^` the cycles for `s - Lap` of a velocity component and for `-div grad`,
+//! With `A^` and `L^` those of `s - Lap` of a velocity component and of `-div grad`,
 //!
 //! ```text
 //! u* = A^ r_u,   d = div u* - r_p,   u = u* + grad L^ d,   p = -d - s L^ d
 //! ```
 //!
-//! which is exact in a periodic box when the cycles are. Fields with the same Laplacian share one set-up.
+//! which is exact in a periodic box when they are. Between walls it is not: what it leaves is near them.
 
-use std::{ops::Range, rc::Rc, time::Instant};
+use std::ops::Range;
 
 use super::{Stokes, StokesInverse};
-use crate::{
-    error::Result,
-    grid::Grid,
-    petsc::{Amg, AmgSettings, Vector},
-};
+use crate::{error::Result, grid::Grid, parallel::World, petsc::Vector};
 
-/// Projection-form inverse with BoomerAMG.
-pub struct HypreInverse {
-    cycles: Vec<Rc<Amg>>,
-    cycle_of: Vec<usize>,
+/// Inverses, approximate or exact, of the shifted Laplacians of all fields.
+pub trait FieldInverse {
+    /// `found = A^ given` of a field; that of a field which may be any constant has no mean. Collective.
+    fn apply(&mut self, world: &World, field: usize, given: &Vector, found: &mut Vector) -> Result<()>;
+}
+
+/// The projection form.
+pub struct ProjectionInverse {
+    inverses: Box<dyn FieldInverse>,
     fields: Vec<(Range<usize>, f64)>,
     /// Work vectors, one a field.
     given: Vec<Vector>,
     found: Vec<Vector>,
     shift: f64,
     fully_periodic: bool,
-    setup_seconds: f64,
 }
 
-impl HypreInverse {
-    /// Sets up one hierarchy for each Laplacian that differs; that of the pressure is the same for all shifts.
-    pub fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>) -> Result<HypreInverse> {
-        let start = Instant::now();
-        let settings = AmgSettings::laplacian(D);
-        let (laplacians, cycle_of) = stokes.laplacians()?;
-        let fully_periodic = grid.domain().fully_periodic();
-        let singular = fully_periodic && stokes.shift() == 0.0;
-        let cycles = laplacians.iter().enumerate().map(|(index, matrix)| match cycle_of[D] == index {
-            true => stokes.pressure_cycle(),
-            false => Amg::new(matrix, singular, &settings).map(Rc::new),
-        });
-        Ok(HypreInverse {
-            cycles: cycles.collect::<Result<_>>()?,
-            cycle_of: cycle_of.to_vec(),
+impl ProjectionInverse {
+    /// That of inverses of fields.
+    ///
+    /// # Errors
+    /// PETSc has no memory for it.
+    pub fn new<const D: usize>(stokes: &Stokes<D>, grid: &Grid<D>, inverses: Box<dyn FieldInverse>) -> Result<ProjectionInverse> {
+        Ok(ProjectionInverse {
+            inverses,
             fields: stokes.balanced_fields(),
             given: (0..=D).map(|field| stokes.field_vector(field)).collect::<Result<_>>()?,
             found: (0..=D).map(|field| stokes.field_vector(field)).collect::<Result<_>>()?,
             shift: stokes.shift(),
-            fully_periodic,
-            setup_seconds: start.elapsed().as_secs_f64(),
+            fully_periodic: grid.domain().fully_periodic(),
         })
     }
 
-    /// Seconds spent setting it up.
-    pub fn setup_seconds(&self) -> f64 {
-        self.setup_seconds
-    }
-
-    fn cycle(&mut self, field: usize) -> Result<()> {
-        self.cycles[self.cycle_of[field]].apply(&self.given[field], &mut self.found[field])
+    fn invert(&mut self, world: &World, field: usize) -> Result<()> {
+        self.inverses.apply(world, field, &self.given[field], &mut self.found[field])
     }
 
     /// Takes the rows of each field out of a fluid vector, no longer balanced.
@@ -82,15 +69,16 @@ impl HypreInverse {
     }
 }
 
-impl<const D: usize> StokesInverse<D> for HypreInverse {
+impl<const D: usize> StokesInverse<D> for ProjectionInverse {
     fn precondition(&mut self, stokes: &Stokes<D>, rows: &Vector, output: &mut Vector) -> Result<()> {
+        let world = stokes.session().world();
         self.take(rows)?;
         self.given[D].scale(-1.0)?;
         for axis in 0..D {
-            self.cycle(axis)?;
+            self.invert(world, axis)?;
             stokes.divergence(axis)?.multiply_add(&self.found[axis], &mut self.given[D])?;
         }
-        self.cycle(D)?;
+        self.invert(world, D)?;
         let (velocities, pressure) = self.found.split_at_mut(D);
         for (axis, velocity) in velocities.iter_mut().enumerate() {
             stokes.gradient(axis)?.multiply_add(&pressure[0], velocity)?;
