@@ -92,7 +92,7 @@ impl<const D: usize> SeparatedInverse<D> {
         for tile in self.lines[stage].tiles() {
             let lines = &mut self.tile[..tile.lines * tile.points];
             tile.gather(&self.values, lines);
-            lines.chunks_exact_mut(tile.points).for_each(|line| transform(along, line));
+            transform(along, lines);
             tile.scatter(lines, &mut self.values);
         }
     }
@@ -105,18 +105,18 @@ impl<const D: usize> SeparatedInverse<D> {
         for tile in self.lines[D - 1].tiles() {
             let lines = &mut self.tile[..tile.lines * tile.points];
             tile.gather(&self.values, lines);
+            transforms[axis].forward(lines);
             for (number, line) in lines.chunks_exact_mut(tile.points).enumerate() {
                 let wave = tile.line_start(number);
                 let across = (0..D).filter(|&other| other != axis).map(|other| transforms[other].eigenvalues[wave[other]]);
                 let others = across.sum::<f64>() + *shift;
-                transforms[axis].forward(line);
                 for (value, own) in line.iter_mut().zip(&transforms[axis].eigenvalues) {
                     // a field that may be any constant has no mean
                     let sum = others + own;
                     *value = if sum > 0.0 { *value / (sum * growth) } else { 0.0 };
                 }
-                transforms[axis].backward(line);
             }
+            transforms[axis].backward(lines);
             tile.scatter(lines, &mut self.values);
         }
     }
