@@ -132,11 +132,9 @@ impl AxisTransform {
         let points = self.points;
         for wave in 0..points {
             // what the real part above has left out: the cosine that mirrors this one
-            let [first, second] = [&*one, &*two].map(|line| {
-                let mirrored = if wave == 0 { 0.0 } else { line[points - wave] };
-                Complex::new(line[wave], -mirrored) * self.half_turns[wave].conj()
-            });
-            self.pair[wave] = first + second * Complex::i();
+            let mirrored = if wave == 0 { [0.0; 2] } else { [one[points - wave], two[points - wave]] };
+            let both = Complex::new(one[wave] + mirrored[1], two[wave] - mirrored[0]);
+            self.pair[wave] = both * self.half_turns[wave].conj();
         }
         self.waves.backward(&mut self.pair);
         for (place, value) in self.pair.iter().enumerate() {
