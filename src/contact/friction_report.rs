@@ -16,17 +16,19 @@ pub struct FrictionReport {
     pub sweeps: usize,
     /// Most iterations of the interior point on an island.
     pub iterations: usize,
+    /// What the residual is aimed to be below.
+    pub tolerance: f64,
 }
 
 impl FrictionReport {
-    /// What a residual of dry bodies is aimed to be below.
+    /// What a residual of dry bodies is aimed to be below if nothing else is asked for.
     pub const TOLERANCE: f64 = 1e-8;
 
     /// The same in a fluid, where flow and contacts agree to this.
     pub const TOLERANCE_IN_FLOW: f64 = 1e-4;
 
-    /// The one or the other.
-    pub fn tolerance(dry: bool) -> f64 {
-        if dry { FrictionReport::TOLERANCE } else { FrictionReport::TOLERANCE_IN_FLOW }
+    /// What it is aimed to be below where forces of dry bodies are found to a tolerance: what separates bodies adds a little.
+    pub fn tolerance_of(dry_tolerance: f64) -> f64 {
+        10.0 * dry_tolerance
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::Arrangement;
 use crate::{
-    contact::{AdhesiveContact, ContactForce, SurfaceFriction},
+    contact::{AdhesiveContact, ContactForce, FRICTION_TOLERANCE, SurfaceFriction},
     geometry::Ball,
 };
 
@@ -30,9 +30,16 @@ pub struct Friction {
     pub coefficient: f64,
     /// Gap at which bodies in a fluid touch, over the mean of their radii; walls are smooth, and touched at half of it.
     pub roughness: f64,
+    /// Residual to which forces of dry bodies are found.
+    pub tolerance: f64,
 }
 
 impl Friction {
+    /// Friction of a coefficient and a roughness, with forces as exact as they can be found.
+    pub fn new(coefficient: f64, roughness: f64) -> Friction {
+        Friction { coefficient, roughness, tolerance: FRICTION_TOLERANCE }
+    }
+
     /// Balls that touch where bodies with their roughness do.
     pub fn touching<const D: usize>(&self, balls: &[Ball<D>]) -> Vec<Ball<D>> {
         balls.iter().map(|ball| Ball { radius: ball.radius * (1.0 + 0.5 * self.roughness), ..*ball }).collect()

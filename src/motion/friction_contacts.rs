@@ -72,7 +72,7 @@ impl<const D: usize> QuasiStatic<D> {
 
 /// What to say where no motion keeps contacts.
 pub(super) fn jammed<const D: usize>(instant: &KnownInstant<D>, step: f64) -> Error {
-    let Friction { coefficient, roughness } = instant.interactions.friction().expect("what jams has friction");
+    let Friction { coefficient, roughness, .. } = instant.interactions.friction().expect("what jams has friction");
     let time = instant.placed.state.time;
     let domain = &instant.placed.domain;
     let strain = domain.strain(strain_rate(domain), time);

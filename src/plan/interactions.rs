@@ -59,16 +59,16 @@ pub fn by_expressions<const D: usize>(scene: &Scene, radii: impl Iterator<Item =
 /// Friction and roughness of the surfaces of a scene, whose bodies are of these groups, if there are any.
 pub fn friction<const D: usize>(scene: &Scene, groups: &[usize]) -> Option<Rc<dyn Interaction<D>>> {
     let law = scene.contact.friction;
-    let coefficient = law.coefficient;
+    let (coefficient, tolerance) = (law.coefficient, scene.contact.friction_tolerance());
     let of_films = scene.lubrication.roughness().filter(|_| coefficient > 0.0);
     let roughness = scene.contact.roughness.or(of_films).unwrap_or(0.0);
     if scene.frictions_differ() || !law.is_plain() {
         let bodies = groups.iter().map(|&group| scene.bodies[group].friction.unwrap_or(law)).collect();
         let surfaces = SurfaceFriction::new(bodies, scene.contact.wall_friction.unwrap_or(law));
-        let friction = Friction { coefficient: surfaces.largest().coefficient, roughness };
+        let friction = Friction { coefficient: surfaces.largest().coefficient, roughness, tolerance };
         return Some(Rc::new(UnequalFriction { friction, surfaces }));
     }
-    (coefficient > 0.0 || roughness > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient, roughness }) })
+    (coefficient > 0.0 || roughness > 0.0).then(|| -> Rc<dyn Interaction<D>> { Rc::new(Friction { coefficient, roughness, tolerance }) })
 }
 
 /// The welds of the rigid clusters of a scene, whose bodies are these, each with its group; none without clusters.

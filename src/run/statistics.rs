@@ -77,9 +77,9 @@ impl RunStatistics {
             self.kkt_residual = self.kkt_residual.max(kkt_report.kkt_residual);
             motion.contacts += kkt_report.pairs;
             motion.island_contacts += kkt_report.largest_island;
-            let residual = kkt_report.friction.map_or(0.0, |friction| friction.residual);
-            self.friction_residual = self.friction_residual.max(residual);
-            self.friction_missed += usize::from(residual > FrictionReport::tolerance(observation.solution.is_none()));
+            let friction = kkt_report.friction.unwrap_or_default();
+            self.friction_residual = self.friction_residual.max(friction.residual);
+            self.friction_missed += usize::from(friction.residual > friction.tolerance);
         }
         self.last = Some(*report);
     }

@@ -81,7 +81,10 @@ fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &MotionView<D>
         friction: (scene.contact.friction.coefficient > 0.0).then_some(FrictionSummary {
             residual,
             steps_above_tolerance,
-            tolerance: FrictionReport::tolerance(scene.dry()),
+            tolerance: match scene.dry() {
+                true => FrictionReport::tolerance_of(scene.contact.friction_tolerance()),
+                false => FrictionReport::TOLERANCE_IN_FLOW,
+            },
         }),
     }
 }

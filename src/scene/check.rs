@@ -178,6 +178,16 @@ fn check_friction(scene: &Scene) -> Result<()> {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
         expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
     }
+    if let Some(tolerance) = scene.contact.tolerance {
+        let of_friction = scene.dry() && (friction > 0.0 || scene.frictions_differ());
+        expect(
+            scene,
+            of_friction,
+            "contact.tolerance",
+            tolerance,
+            "is that of forces of dry bodies with friction; remove it, or set contact.friction",
+        )?;
+    }
     check_surfaces(scene)?;
     if friction == 0.0 {
         return Ok(());

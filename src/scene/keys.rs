@@ -367,14 +367,16 @@ fn of_interaction(interaction: &InteractionSection) -> Keys {
 }
 
 fn of_contact(contact: &ContactSection) -> Keys {
-    let ContactSection { model, friction, wall_friction, roughness } = contact;
+    let ContactSection { model, friction, wall_friction, roughness, tolerance } = contact;
     let mut keys = vec![word("contact.model", model.word())];
     keys.extend(match model {
         ContactModel::Inelastic => {
             let friction =
                 Some(friction).filter(|law| law.coefficient > 0.0).into_iter().flat_map(|law| of_friction("contact.friction", law));
             let of_walls = wall_friction.iter().flat_map(|law| of_friction("contact.wall_friction", law));
-            friction.chain(of_walls).chain(roughness.map(|roughness| number("contact.roughness", roughness))).collect()
+            let roughness = roughness.map(|roughness| number("contact.roughness", roughness));
+            let tolerance = tolerance.map(|tolerance| number("contact.tolerance", tolerance));
+            friction.chain(of_walls).chain(roughness).chain(tolerance).collect()
         }
         ContactModel::None => vec![],
         ContactModel::Repulsion { stiffness, range } => vec![number("contact.stiffness", *stiffness), number("contact.range", *range)],

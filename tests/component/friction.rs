@@ -71,7 +71,7 @@ pub fn closed(size: [f64; 2]) -> Domain<2> {
 }
 
 fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: &[GranularBody<D>], friction: f64, step: f64) -> Simulation<D> {
-    let interactions = Interactions::default().with(Inelastic).with(Friction { coefficient: friction, roughness: 0.0 });
+    let interactions = Interactions::default().with(Inelastic).with(Friction::new(friction, 0.0));
     start_with(session, (domain, interactions), bodies, step)
 }
 
@@ -151,10 +151,8 @@ fn slides_between<const D: usize>(session: &Session, [of_ball, of_wall]: [f64; 2
     let mut gravity = down::<D>() * angle.cos();
     gravity[0] = angle.sin();
     let center = std::array::from_fn(|axis| if axis + 1 == D { 1.0 } else { 5.0 });
-    let (friction, surfaces) = (
-        Friction { coefficient: of_ball.max(of_wall), roughness: 0.0 },
-        SurfaceFriction::new(vec![FrictionLaw::plain(of_ball)], FrictionLaw::plain(of_wall)),
-    );
+    let (friction, surfaces) =
+        (Friction::new(of_ball.max(of_wall), 0.0), SurfaceFriction::new(vec![FrictionLaw::plain(of_ball)], FrictionLaw::plain(of_wall)));
     let unequal = Interactions::default().with(Inelastic).with(UnequalFriction { friction, surfaces });
     let mut simulation = start_with(session, (channel(10.0), unequal), &[ball(center, [0.0; D], gravity)], 0.02);
     let residual = steps(&mut simulation, 50);

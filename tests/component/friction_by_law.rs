@@ -46,7 +46,7 @@ fn start_between<const D: usize>(
     step: f64,
 ) -> Simulation<D> {
     let surfaces = SurfaceFriction::new(of_bodies, of_walls);
-    let friction = Friction { coefficient: surfaces.largest().coefficient, roughness: 0.0 };
+    let friction = Friction::new(surfaces.largest().coefficient, 0.0);
     start_with(session, (domain, Interactions::default().with(Inelastic).with(UnequalFriction { friction, surfaces })), bodies, step)
 }
 

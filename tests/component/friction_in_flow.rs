@@ -57,7 +57,7 @@ fn rubbing<const D: usize>(session: &Session, setup: Setup<D>, coefficient: f64,
 
 /// A suspension whose surfaces rub by a law.
 pub fn rubbing_by<const D: usize>(session: &Session, setup: Setup<D>, law: FrictionLaw, step: f64) -> Simulation<D> {
-    let friction = Friction { coefficient: law.coefficient, roughness: ROUGHNESS };
+    let friction = Friction::new(law.coefficient, ROUGHNESS);
     let setup = setup.with_contact(ContactModel::Inelastic);
     let setup = if law.is_plain() {
         setup.with(friction)

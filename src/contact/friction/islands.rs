@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 
-use super::{ContactWrench, FrictionLaw, FrictionShare, SurfaceFriction, program::FrictionIsland, solver::exact::solve_exactly};
+use super::{ContactWrench, FrictionLaw, FrictionShare, program::FrictionIsland, solver::exact::solve_exactly};
 use crate::{
     body::{Twist, components, skew},
     contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
@@ -72,9 +72,9 @@ impl<const D: usize> Shared<'_, D> {
             let found = if !island.is_new {
                 island.contacts.clone()
             } else if D == 2 {
-                island.solve::<3>(domain, step, friction.surfaces, &mut cost)
+                island.solve::<3>(domain, step, friction, &mut cost)
             } else {
-                island.solve::<6>(domain, step, friction.surfaces, &mut cost)
+                island.solve::<6>(domain, step, friction, &mut cost)
             };
             for (identity, wrench) in found {
                 let mut owners: Vec<usize> = crate::contact::bodies_of(identity).map(|body| island.bodies[&body].owner).collect();
@@ -164,7 +164,7 @@ impl<const D: usize> Traveller<D> {
 }
 
 impl<const D: usize> Gathered<D> {
-    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, surfaces: &SurfaceFriction, cost: &mut Cost) -> Wrenches<D> {
+    fn solve<const W: usize>(&self, domain: &Domain<D>, step: f64, friction: &FrictionShare<D>, cost: &mut Cost) -> Wrenches<D> {
         let numbers: Vec<usize> = self.bodies.keys().copied().collect();
         let balls: Vec<Ball<D>> = self.bodies.values().map(|body| body.ball).collect();
         let masses: Vec<[f64; 2]> = self.bodies.values().map(|body| body.mass).collect();
@@ -172,7 +172,7 @@ impl<const D: usize> Gathered<D> {
         let place = |number: usize| numbers.binary_search(&number).expect("both bodies came with a contact");
         let again = |&identity: &Identity<D>| Contact::again(domain, &balls, renamed(identity, place));
         let contacts: Vec<Contact<D>> = self.contacts.keys().map(again).collect();
-        let laws: Vec<FrictionLaw> = self.contacts.keys().map(|&identity| surfaces.of(identity)).collect();
+        let laws: Vec<FrictionLaw> = self.contacts.keys().map(|&identity| friction.surfaces.of(identity)).collect();
         let island = FrictionIsland {
             domain,
             balls: &balls,
@@ -185,7 +185,7 @@ impl<const D: usize> Gathered<D> {
         };
         let program = island.program::<W>();
         let guess: Vec<ContactWrench<D>> = self.contacts.values().copied().collect();
-        let found = solve_exactly(&program, island.impulses(&program, &guess));
+        let found = solve_exactly(&program, island.impulses(&program, &guess), friction.tolerance);
         (cost.sweeps, cost.iterations) = (cost.sweeps.max(found.sweeps), cost.iterations.max(found.iterations));
         self.contacts.keys().copied().zip(island.wrenches(&program, &found.forces)).collect()
     }

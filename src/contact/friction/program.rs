@@ -130,6 +130,15 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         self.row_blocks.iter().map(|row_block| if row_block.ends[1] == NONE { [row_block.ends[0]; 2] } else { row_block.ends }).collect()
     }
 
+    /// The row blocks of each body.
+    pub fn row_blocks_at_bodies(&self) -> Vec<Vec<usize>> {
+        let mut at_body = vec![Vec::new(); self.bodies];
+        for (place, row_block) in self.row_blocks.iter().enumerate() {
+            row_block.sides().for_each(|(body, _)| at_body[body].push(place));
+        }
+        at_body
+    }
+
     /// `A^T r`.
     pub fn pushes(&self, forces: &[[f64; D]]) -> Vec<[f64; W]> {
         let mut pushes = vec![[0.0; W]; self.bodies];

@@ -253,7 +253,9 @@ impl<'a, const D: usize> Rounds<'a, D> {
             self.share.problem.velocities.iter().zip(rubbed).map(|(wanted, change)| wanted + change.velocity).collect();
         let problem = Problem { velocities: &view.halo.spread_vectors(peers, &wanted), ..view.problem(&self.share.problem) };
         let report = kkt_report::certify(peers, view, &problem, &normals, &[]);
-        let mut friction = FrictionReport { sweeps: self.cost.sweeps, iterations: self.cost.iterations, ..FrictionReport::default() };
+        let Cost { sweeps, iterations } = self.cost;
+        let tolerance = FrictionReport::tolerance_of(self.friction.tolerance);
+        let mut friction = FrictionReport { sweeps, iterations, tolerance, ..FrictionReport::default() };
         let surfaces = self.friction.surfaces;
         certify(peers, &Certified { domain, view, masses, twists, ends, contacts, step, surfaces }, whole, &mut friction);
         let KktReport { smallest_gap, iterations, solver, rounds, largest_island, .. } = *found;

@@ -16,6 +16,8 @@ pub struct FrictionShare<'a, const D: usize> {
     pub spins: &'a [SMatrix<f64, D, D>],
     /// Moments of inertia, infinite where a motion is given.
     pub inertias: &'a [f64],
+    /// Residual to which forces are found.
+    pub tolerance: f64,
     /// Tangential forces of the last step by contact: a place to start from.
     pub last: &'a BTreeMap<Identity<D>, SVector<f64, D>>,
 }

@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use super::Granular;
 use crate::{
     body::Twist,
-    contact::{FrictionProjection, FrictionShare, Problem, ProblemShare, SurfaceFriction, project_with_friction},
+    contact::{FRICTION_TOLERANCE, FrictionProjection, FrictionShare, Problem, ProblemShare, SurfaceFriction, project_with_friction},
     error::{Error, Result},
     interaction::Touch,
     mechanics::State,
@@ -16,6 +16,11 @@ use crate::{
 };
 
 impl<const D: usize> Granular<D> {
+    /// Residual to which forces with friction are found.
+    pub(super) fn friction_tolerance(&self) -> f64 {
+        self.interactions.friction().map_or(FRICTION_TOLERANCE, |friction| friction.tolerance)
+    }
+
     /// A step of bodies that want to move so, with friction. Collective.
     pub(super) fn advance_with_friction(&self, state: &State<D>, wanted: &[Twist<D>], step: f64) -> Result<StepOutcome<D>> {
         let start = Instant::now();
@@ -59,7 +64,7 @@ impl<const D: usize> Granular<D> {
         };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
         let last = state.contact_history.iter().map(|contact| (contact.identity(), contact.tangential)).collect();
-        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, last: &last };
+        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, tolerance: self.friction_tolerance(), last: &last };
         project_with_friction(peers, &share, &friction, &state.memory())
     }
 }

@@ -20,7 +20,6 @@ use crate::{
         Contact, ContactForce, ContactWrench, FrictionIsland, FrictionLaw, FrictionReport, Identity, Problem, RigidTwists, TiedFriction,
         contacts_on_the_way,
     },
-    geometry::Domain,
     mechanics::State,
 };
 
@@ -74,7 +73,7 @@ impl<const D: usize> Granular<D> {
             }
             rubbing.laws = rubbing.contacts.iter().map(|contact| surfaces.of(contact.identity())).collect();
             let guess: Vec<ContactWrench<D>> = rubbing.contacts.iter().map(|contact| known[&contact.identity()]).collect();
-            let found = rubbing.problem(&self.domain).solve(&guess);
+            let found = rubbing.problem(self).solve(&guess);
             rubbing.cost = [rubbing.cost[0].max(found.sweeps), rubbing.cost[1].max(found.iterations)];
             known.extend(rubbing.contacts.iter().map(Contact::identity).zip(found.wrenches.iter().copied()));
             rubbing.wrenches = found.wrenches;
@@ -100,7 +99,7 @@ impl<const D: usize> Granular<D> {
             ContactWrench { force: wrench.force + contact.normal * force, ..*wrench }
         };
         let wrenches: Vec<ContactWrench<D>> = rubbing.contacts.iter().zip(&rubbing.wrenches).map(whole).collect();
-        let report = rubbing.problem(&self.domain).report(&wrenches, &twists);
+        let report = rubbing.problem(self).report(&wrenches, &twists);
         FrictionReport { sweeps: rubbing.cost[0], iterations: rubbing.cost[1], ..report }
     }
 }
@@ -150,10 +149,11 @@ impl<const D: usize> Rubbing<D> {
         known.len() > before
     }
 
-    fn problem<'a>(&'a self, domain: &'a Domain<D>) -> TiedFriction<'a, D> {
+    fn problem<'a>(&'a self, granular: &'a Granular<D>) -> TiedFriction<'a, D> {
         let (AllBodies { balls, masses, twists, .. }, step) = (&self.bodies, self.step);
+        let (domain, tolerance) = (&granular.domain, granular.friction_tolerance());
         let island = FrictionIsland { domain, balls, masses, twists, step, contacts: &self.contacts, laws: &self.laws, duration: step };
-        TiedFriction { island, rigid: &self.rigid, ties: &self.rows }
+        TiedFriction { island, rigid: &self.rigid, ties: &self.rows, tolerance }
     }
 
     /// Changes the motions of own bodies by the wrenches; the largest change of a place since the last time, in radii of the smallest body.

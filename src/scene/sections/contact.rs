@@ -1,13 +1,13 @@
 //! What happens between bodies of a scene that are close.
 
-use crate::contact::FrictionLaw;
+use crate::contact::{FRICTION_TOLERANCE, FrictionLaw};
 use crate::error::Result;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `[contact]`.
-pub(in crate::scene) const KEYS: [Key; 7] = [
+pub(in crate::scene) const KEYS: [Key; 8] = [
     Key::new(
         "model",
         "\"none\", \"inelastic\", \"repulsion\" or \"gluey\"",
@@ -39,6 +39,17 @@ pub(in crate::scene) const KEYS: [Key; 7] = [
         .default("0; with friction `lubrication.roughness`")
         .range("at least 0, at most 0.1")
         .needs("time.end = 1.0; contact.model = \"inelastic\""),
+    Key::new(
+        "tolerance",
+        "number",
+        "1e-3",
+        "Residual to which the forces of dry bodies with friction are found, the natural map of the exact law over the largest velocity that contacts would have without \
+        forces. Nothing overlaps whatever it is.",
+    )
+    .unit("ratio")
+    .default("1e-9")
+    .range("at least 1e-12, at most 0.1")
+    .needs("flow.model = \"none\"; bodies.density = 1.0; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
     Key::new(
         "stiffness",
         "number",
@@ -117,6 +128,8 @@ pub struct ContactSection {
     pub wall_friction: Option<FrictionLaw>,
     /// Gap at which bodies in a fluid touch, over the mean of their radii, if it is given.
     pub roughness: Option<f64>,
+    /// Residual to which the forces of dry bodies with friction are found, if it is given.
+    pub tolerance: Option<f64>,
 }
 
 /// The law of contact.
@@ -143,8 +156,9 @@ pub enum ContactModel {
 }
 
 /// Keys that only one law of contact has.
-const OF_ONE_LAW: [(&str, &str); 6] = [
+const OF_ONE_LAW: [(&str, &str); 7] = [
     ("friction", "inelastic"),
+    ("tolerance", "inelastic"),
     ("wall_friction", "inelastic"),
     ("roughness", "inelastic"),
     ("stiffness", "repulsion"),
@@ -181,7 +195,15 @@ impl ContactSection {
         }
         let roughness = table.get("roughness").map(|entry| roughness(&entry)).transpose()?;
         let wall_friction = table.get("wall_friction").map(|entry| self::friction(&entry)).transpose()?;
-        Ok(ContactSection { model, friction, wall_friction, roughness })
+        let tolerance = table.get("tolerance").map(|entry| friction_tolerance(&entry)).transpose()?;
+        Ok(ContactSection { model, friction, wall_friction, roughness, tolerance })
+    }
+}
+
+impl ContactSection {
+    /// Residual to which the forces of dry bodies with friction are found.
+    pub fn friction_tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(FRICTION_TOLERANCE)
     }
 }
 
@@ -227,6 +249,11 @@ pub(in crate::scene) fn friction(entry: &Entry) -> Result<FrictionLaw> {
         }
         _ => Ok(law),
     }
+}
+
+fn friction_tolerance(entry: &Entry) -> Result<f64> {
+    let number = entry.number()?;
+    entry.expect(number, (1e-12..=0.1).contains(&number), "must be at least 1e-12 and at most 0.1")
 }
 
 fn roughness(entry: &Entry) -> Result<f64> {

@@ -228,6 +228,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
             work: powers.sum::<f64>() * self.immersed.step,
             sweeps: 0,
             iterations: self.iterations,
+            tolerance: FrictionReport::TOLERANCE_IN_FLOW,
         }
     }
 }

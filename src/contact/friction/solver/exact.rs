@@ -2,11 +2,7 @@
 //! too soon.
 
 use super::{interior_point::follow, sweeps::Sweeps};
-use crate::contact::friction::{
-    cone::{TOLERANCE, tangential_size},
-    program::FrictionProgram,
-    row_block::RowBlock,
-};
+use crate::contact::friction::{cone::tangential_size, program::FrictionProgram, row_block::RowBlock};
 
 /// What the interior point goes on to where that is near: its last iterations double the digits.
 const AIM: f64 = 1e-11;
@@ -43,8 +39,8 @@ pub struct Found<const D: usize> {
     pub iterations: usize,
 }
 
-/// The impulses, or the best that were found, from a guess.
-pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: Vec<[f64; D]>) -> Found<D> {
+/// The impulses to a residual, or the best that were found, from a guess.
+pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: Vec<[f64; D]>, tolerance: f64) -> Found<D> {
     if program.row_blocks.iter().all(|row_block| opening(row_block, &row_block.offset) >= 0.0) {
         return Found { forces: vec![[0.0; D]; guess.len()], residual: 0.0, sweeps: 0, iterations: 0 };
     }
@@ -53,12 +49,13 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
     if sweeps.residual.is_nan() || sweeps.residual > USELESS {
         sweeps = Sweeps::new(program, vec![[0.0; D]; program.row_blocks.len()]);
     }
-    let (mut first, mut iterations) = (FIRST, 0);
+    let (mut first, mut iterations) = (FIRST.max(tolerance), 0);
+    sweeps.settle(first, most);
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
     loop {
-        sweeps.run(first, if first == FIRST { most.max(MOST_SWEEPS[0]) } else { most });
+        sweeps.run(first, if first >= FIRST { most.max(MOST_SWEEPS[0]) } else { most });
         best.take(&sweeps.forces, sweeps.residual);
-        if best.residual > TOLERANCE && sweeps.residual <= first {
+        if best.residual > tolerance && sweeps.residual <= first {
             let (forces, more) = from_sweeps(program, &sweeps, 10.0 * first);
             iterations += more;
             if largest(&forces) <= WEDGED * largest(&sweeps.forces).max(program.unit) {
@@ -66,13 +63,13 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
             }
         }
         // velocities that are not finite are refused by who separates bodies
-        if best.residual <= TOLERANCE || sweeps.count >= most || !sweeps.residual.is_finite() {
+        if best.residual <= tolerance || sweeps.count >= most || !sweeps.residual.is_finite() {
             return Found { sweeps: sweeps.count, iterations, ..best };
         }
         if best.residual < sweeps.residual {
             sweeps.go_on(best.forces.clone());
         }
-        first = (first * NEXT).max(TOLERANCE);
+        first = (first * NEXT).max(tolerance);
     }
 }
 

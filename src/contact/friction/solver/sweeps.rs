@@ -15,6 +15,9 @@ use crate::contact::friction::{
 const EVERY: usize = 10;
 const LATER: usize = 10;
 
+/// Part of a tolerance by which an impulse must change for its neighbours to be looked at again.
+const PASSED_ON: f64 = 0.1;
+
 /// Where the sweeps stand.
 pub struct Sweeps<'a, const D: usize, const W: usize> {
     program: &'a FrictionProgram<D, W>,
@@ -46,6 +49,41 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
         self.look();
     }
 
+    /// Sweeps over the contacts alone that miss their law by more than a tolerance, and over those that meet what these change, until there are none or that has
+    /// cost as many contacts as some sweeps of all. From the impulses of an earlier step few contacts miss it.
+    pub fn settle(&mut self, tolerance: f64, most: usize) {
+        if self.residual <= tolerance || self.residual.is_nan() {
+            return;
+        }
+        let (program, count) = (self.program, self.forces.len());
+        let velocities = program.velocities(&self.motion);
+        let misses = |place: &usize| program.miss(*place, &self.forces, &velocities[*place]) > tolerance * program.unit;
+        let mut active: Vec<usize> = (0..count).filter(misses).collect();
+        let at_body = program.row_blocks_at_bodies();
+        let (mut waits, mut visited) = (vec![false; count], 0);
+        while !active.is_empty() && visited < most * count {
+            visited += active.len();
+            active.shuffle(&mut self.random);
+            let mut next = Vec::new();
+            for place in active {
+                let before = self.forces[place];
+                self.visit(place);
+                let change = before.iter().zip(&self.forces[place]).map(|(before, after)| (after - before).abs()).fold(0.0, f64::max);
+                if change > PASSED_ON * tolerance * program.unit {
+                    for other in program.row_blocks[place].sides().flat_map(|(body, _)| &at_body[body]) {
+                        if !std::mem::replace(&mut waits[*other], true) {
+                            next.push(*other);
+                        }
+                    }
+                }
+            }
+            next.iter().for_each(|&place| waits[place] = false);
+            active = next;
+        }
+        self.count += visited.div_ceil(count);
+        self.look();
+    }
+
     /// Sweeps until the residual is below a tolerance, or there were so many.
     pub fn run(&mut self, tolerance: f64, most: usize) {
         while self.residual > tolerance && self.count < most {
@@ -66,20 +104,20 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
     fn sweep(&mut self) {
         self.count += 1;
         self.order.shuffle(&mut self.random);
-        if !self.program.bounds.is_empty() {
-            return self.sweep_bounded();
-        }
-        for &place in &self.order {
-            let row_block = &self.program.row_blocks[place as usize];
-            let solved = if row_block.dilation > 0.0 { projection } else { solution };
-            alone(row_block, &mut self.forces[place as usize], &mut self.motion, |without| solved(without, row_block.friction));
-        }
+        let order = std::mem::take(&mut self.order);
+        order.iter().for_each(|&place| self.visit(place as usize));
+        self.order = order;
     }
 
-    /// The same where something else bounds tangential impulses too: what turns a contact takes its normal impulse as it is.
-    fn sweep_bounded(&mut self) {
-        for &place in &self.order {
-            let place = place as usize;
+    /// Gives a contact the impulse that solves its own problem.
+    #[inline]
+    fn visit(&mut self, place: usize) {
+        if self.program.bounds.is_empty() {
+            let row_block = &self.program.row_blocks[place];
+            let solved = if row_block.dilation > 0.0 { projection } else { solution };
+            alone(row_block, &mut self.forces[place], &mut self.motion, |without| solved(without, row_block.friction));
+        } else {
+            // what turns a contact takes its normal impulse as it is
             let (limit, leader) = (self.program.limit(place), self.program.leader(place));
             let of_leader = self.forces[leader][0];
             alone(&self.program.row_blocks[place], &mut self.forces[place], &mut self.motion, |without| {

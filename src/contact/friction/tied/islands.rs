@@ -13,7 +13,7 @@ use crate::{
         Contact, RIGID,
         friction::{
             ContactWrench,
-            cone::{TOLERANCE, larger},
+            cone::larger,
             medium::{Entries, Medium, Resisting},
             program::{FrictionIsland, FrictionProgram},
             row_block::{NONE, RowBlock},
@@ -48,6 +48,8 @@ pub struct TiedFriction<'a, const D: usize> {
     pub rigid: &'a [RigidTwists<D>],
     /// Bonds, which turn no body, of forces over the step.
     pub ties: &'a [Row<D>],
+    /// Residual to which forces are found.
+    pub tolerance: f64,
 }
 
 /// What contacts do, and how well that is known.
@@ -85,7 +87,7 @@ impl<const D: usize> TiedFriction<'_, D> {
             let island = FrictionIsland { contacts: &contacts, laws: &laws, ..self.island };
             let program = self.program::<W>(&island);
             let guess: Vec<ContactWrench<D>> = places.iter().map(|&place| guess[place]).collect();
-            let (impulses, iterations, sweeps) = solution(&program, island.impulses(&program, &guess));
+            let (impulses, iterations, sweeps) = solution(&program, island.impulses(&program, &guess), self.tolerance);
             for (&place, wrench) in places.iter().zip(island.wrenches(&program, &impulses)) {
                 found.wrenches[place] = wrench;
             }
@@ -269,9 +271,13 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
 }
 
 /// The impulses, iterations and sweeps.
-fn solution<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: Vec<[f64; D]>) -> (Vec<[f64; D]>, usize, usize) {
+fn solution<const D: usize, const W: usize>(
+    program: &FrictionProgram<D, W>,
+    guess: Vec<[f64; D]>,
+    tolerance: f64,
+) -> (Vec<[f64; D]>, usize, usize) {
     let first = follow(program, &vec![[0.0; D]; guess.len()], PATH);
-    if first.residual <= TOLERANCE {
+    if first.residual <= tolerance {
         return (first.forces, first.iterations, 0);
     }
     if program.medium.resists() {
@@ -280,7 +286,7 @@ fn solution<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, gue
         let best = if again.residual < first.residual { again } else { first };
         return (best.forces, iterations, 0);
     }
-    let swept = solve_exactly(program, guess);
+    let swept = solve_exactly(program, guess, tolerance);
     let iterations = first.iterations + swept.iterations;
     if swept.residual < first.residual { (swept.forces, iterations, swept.sweeps) } else { (first.forces, iterations, swept.sweeps) }
 }

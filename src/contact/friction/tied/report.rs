@@ -35,6 +35,7 @@ impl<const D: usize> TiedFriction<'_, D> {
             sticking: count(ContactState::Sticking),
             slipping: count(ContactState::Slipping),
             work: after.row_blocks.iter().zip(&impulses).map(work).sum(),
+            tolerance: FrictionReport::tolerance_of(self.tolerance),
             ..FrictionReport::default()
         }
     }
