@@ -39,6 +39,7 @@ gap = 0.005
 [contact]
 model = "inelastic"
 friction = 0.4
+tolerance = 1e-3
 [time]
 end = {end}
 step = {step}

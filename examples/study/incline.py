@@ -38,6 +38,7 @@ region = [[0.0, 0.0], [{width}, {top}]]
 [contact]
 model = "inelastic"
 friction = 0.4
+tolerance = 1e-3
 [time]
 end = {end}
 step = 0.08

@@ -34,6 +34,7 @@ file = "grains.csv"
 [contact]
 model = "inelastic"
 friction = {friction}
+tolerance = 1e-3
 [time]
 end = {end}
 step = 0.1
