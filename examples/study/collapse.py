@@ -30,7 +30,6 @@ radius = 1.0
 [contact]
 model = "inelastic"
 friction = {friction}
-tolerance = 1e-3
 [time]
 end = {end}
 step = 0.05

@@ -39,7 +39,6 @@ gap = 0.005
 [contact]
 model = "inelastic"
 friction = 0.4
-tolerance = 1e-3
 [time]
 end = {end}
 step = {step}

@@ -121,8 +121,8 @@ impl PageOfRun {
         let run = vec![
             ("command", self.command.clone()),
             ("version", format!("turbid {}", env!("CARGO_PKG_VERSION"))),
-            ("this program started", date(began)),
-            ("wall time", format!("{} of all programs of this run", duration(seconds))),
+            ("started", date(began)),
+            ("wall time", format!("{}, resumptions included", duration(seconds))),
             ("ranks", self.ranks.to_string()),
             ("machine", format!("{}: {} cores{processor}{memory} (first rank)", machine.name, machine.cores)),
         ];

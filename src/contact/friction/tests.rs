@@ -225,6 +225,20 @@ fn programs_of_convex_cones_end_at_the_same_motion() {
     assert!(apart < 1e-6, "{apart:e}");
 }
 
+/// From forces that one contact makes wrong a loose tolerance is met by sweeps alone, near the motion of the law.
+#[test]
+fn a_loose_tolerance_is_met_by_sweeps() {
+    let mut program = disks().program::<3>(0.5);
+    let known = solve_exactly(&program, vec![[0.0; 2]; program.row_blocks.len()], TOLERANCE).forces;
+    program.row_blocks[0].offset[0] -= 0.3 * program.unit;
+    assert!(program.residual(&known) > 1e-2);
+    let [loose, tight] = [1e-3, TOLERANCE].map(|tolerance| solve_exactly(&program, known.clone(), tolerance));
+    assert!(loose.residual <= 1e-3 && loose.residual > TOLERANCE && loose.iterations == 0 && loose.sweeps > 0, "{loose:?}");
+    assert!((program.residual(&loose.forces) - loose.residual).abs() < 1e-9 && tight.residual <= TOLERANCE);
+    let apart = farthest(&program.motion(&loose.forces), &program.motion(&tight.forces));
+    assert!(apart < 2e-2 * program.unit, "{apart:e} of {:e}", program.unit);
+}
+
 /// A rod that slides on one end (mass 1, length 2): from some friction on there is no bounded force by rigid body accelerations, or more than one. Impulses
 /// of a step exist all the same.
 #[test]

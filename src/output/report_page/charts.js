@@ -49,6 +49,12 @@
       new ResizeObserver(() => this.draw()).observe(this.canvas);
     }
 
+    /// What a column is called.
+    words(name) {
+      const place = this.spec.y.indexOf(name);
+      return place < 0 ? name.replaceAll("_", " ") : this.spec.words[place];
+    }
+
     column(name) {
       return this.table.values[this.table.columns.indexOf(name)];
     }
@@ -133,7 +139,7 @@
       pen.restore();
       if (pointer !== null) this.readOut(pen, pointer); else this.tip.hidden = true;
       this.keys.replaceChildren();
-      for (const { name, colour } of lines) { const key = element("span", this.keys); element("i", key).style.background = colour; key.append(name); }
+      for (const { name, colour } of lines) { const key = element("span", this.keys); element("i", key).style.background = colour; key.append(this.words(name)); }
       if (this.band()) { const key = element("span", this.keys); element("i", key).style.cssText = "background: rgba(0, 114, 178, 0.25); height: 9px"; key.append("mean with its 95 % interval; grey: left out"); }
     }
 
@@ -203,7 +209,7 @@
         const y = points[best][1];
         const row = element("div", this.tip);
         element("i", row).style.background = colour;
-        row.append(`${name} ${y === null ? "none" : y}`);
+        row.append(`${this.words(name)} ${y === null ? "none" : y}`);
         if (y !== null) { pen.fillStyle = colour; pen.beginPath(); pen.arc(px(x[best]), py(y), 3.2, 0, 7); pen.fill(); }
       }
       this.tip.hidden = false;
@@ -234,5 +240,6 @@
   }
 
   const host = document.getElementById("charts");
-  if (host) charts.forEach((spec) => new Chart(host, spec));
+  const solver = document.getElementById("solver");
+  if (host) charts.forEach((spec) => new Chart(spec.of_solver ? solver : host, spec));
 })();

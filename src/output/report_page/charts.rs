@@ -16,6 +16,10 @@ pub struct ChartOfTable {
     pub x: &'static str,
     /// Columns that are shown at first; others can be chosen.
     pub y: Vec<String>,
+    /// What these are called in its key.
+    pub words: Vec<String>,
+    /// Whether it is about the solver and not about the suspension.
+    pub of_solver: bool,
     /// Whether the ordinate is logarithmic at first.
     pub logarithmic: bool,
     /// A mean with its interval over a part of the abscissa.
@@ -38,10 +42,15 @@ struct ChartGroup {
     title: &'static str,
     beginnings: &'static [&'static str],
     logarithmic: bool,
+    of_solver: bool,
 }
 
 const fn group(title: &'static str, beginnings: &'static [&'static str]) -> ChartGroup {
-    ChartGroup { title, beginnings, logarithmic: false }
+    ChartGroup { title, beginnings, logarithmic: false, of_solver: false }
+}
+
+const fn of_solver(title: &'static str, beginnings: &'static [&'static str]) -> ChartGroup {
+    ChartGroup { of_solver: true, ..group(title, beginnings) }
 }
 
 /// Charts in the order of the page; a column is in the first that takes it.
@@ -65,10 +74,10 @@ const GROUPS: [ChartGroup; 23] = [
     group("Contacts", &["contacts", "stuck"]),
     group("Sum of contact forces", &["contact_force"]),
     group("Smallest gap in radii", &["smallest_gap"]),
-    group("Length of steps", &["last_step"]),
-    group("Solves and iterations of a step", &["iterations", "solves", "contact_iterations"]),
-    group("Seconds of wall time of a step", &["seconds"]),
-    ChartGroup { title: "Residual of contacts", beginnings: &["kkt_residual"], logarithmic: true },
+    of_solver("Length of steps", &["last_step"]),
+    of_solver("Solves and iterations of a step", &["iterations", "solves", "contact_iterations", "friction_sweeps", "friction_iterations"]),
+    of_solver("Seconds of wall time of a step", &["seconds"]),
+    ChartGroup { logarithmic: true, ..of_solver("Residuals of contacts", &["kkt_residual", "friction_residual"]) },
 ];
 
 /// Columns that are shown only if they are chosen.
@@ -82,8 +91,8 @@ pub fn charts(tables: &[Table], mean: Option<&MeanViscosity>) -> Vec<ChartOfTabl
 fn of_table(number: usize, table: &Table, mean: Option<&MeanViscosity>) -> Vec<ChartOfTable> {
     let has = |name: &str| table.columns.iter().any(|column| column == name);
     if has("separation") {
-        let y = vec!["distribution".to_owned()];
-        return vec![ChartOfTable { title: "Pair distribution g(r)", table: number, x: "separation", y, logarithmic: false, band: None }];
+        let (title, x, y) = ("Pair distribution g(r)", "separation", vec!["distribution".to_owned()]);
+        return vec![ChartOfTable { title, table: number, x, words: y.clone(), y, of_solver: false, logarithmic: false, band: None }];
     }
     let group_of = |column: &str| GROUPS.iter().position(|group| group.beginnings.iter().any(|beginning| column.starts_with(beginning)));
     let ordinates = || table.columns.iter().filter(|column| !HIDDEN.contains(&column.as_str()));
@@ -96,11 +105,19 @@ fn of_table(number: usize, table: &Table, mean: Option<&MeanViscosity>) -> Vec<C
             mean: mean.relative,
             interval: mean.interval,
         });
-        let logarithmic = place.is_some_and(|place| GROUPS[place].logarithmic);
-        (!y.is_empty()).then_some(ChartOfTable { title, table: number, x: if strained { "strain" } else { "time" }, y, logarithmic, band })
+        let group = place.map(|place| &GROUPS[place]);
+        let (logarithmic, of_solver) = group.map_or((false, false), |group| (group.logarithmic, group.of_solver));
+        let (x, words) = (if strained { "strain" } else { "time" }, y.iter().map(|column| in_words(column, group)).collect());
+        (!y.is_empty()).then_some(ChartOfTable { title, table: number, x, y, words, of_solver, logarithmic, band })
     };
     // the whole before its parts
     [1, 0, 3, 2].into_iter().chain(4..GROUPS.len()).map(Some).chain([None]).filter_map(chart).collect()
+}
+
+/// A column in words, without what the title says of all.
+fn in_words(column: &str, group: Option<&ChartGroup>) -> String {
+    let common = group.and_then(|group| if let [only] = group.beginnings { only.strip_suffix('_').map(|_| *only) } else { None });
+    common.and_then(|common| column.strip_prefix(common)).unwrap_or(column).replace('_', " ")
 }
 
 #[cfg(test)]
@@ -129,5 +146,13 @@ mod tests {
             ("Pair distribution g(r)", "separation", 1),
         ];
         assert_eq!(found, expected);
+        assert_eq!((&charts[1].words[..], &charts[3].words[..]), (&["contact".to_owned()][..], &["contact force".to_owned()][..]));
+    }
+
+    #[test]
+    fn what_is_about_the_solver_is_told_apart() {
+        let charts = charts(&[table(&["time", "viscosity", "seconds", "kkt_residual", "iterations"])], None);
+        let of_solver: Vec<&str> = charts.iter().filter(|chart| chart.of_solver).map(|chart| chart.title).collect();
+        assert_eq!(of_solver, ["Solves and iterations of a step", "Seconds of wall time of a step", "Residuals of contacts"]);
     }
 }

@@ -13,14 +13,33 @@ pub fn body(page: &Page) -> String {
         page.images.first().map_or(String::new(), |first| format!("<h2>Picture</h2>\n{}", image(first))),
         charts(page),
         page.images.iter().skip(1).map(image).collect(),
-        page.parts.iter().map(parts).collect(),
+        page.parts.iter().filter(|parts| !of_solver(parts.title)).map(parts).collect(),
         bodies(page),
-        format!("<div class=\"columns\">\n{}</div>\n", page.facts.iter().map(facts).collect::<String>()),
+        columns(page.facts.iter().filter(|facts| !of_solver(facts.title))),
+        solver(page),
         files(page),
         format!("<h2>Scene</h2>\n<pre>{}</pre>\n", lines(&page.scene)),
         if page.log.is_empty() { String::new() } else { format!("<h2>Log</h2>\n<pre>{}</pre>\n", lines(&page.log)) },
     ];
     sections.concat()
+}
+
+/// What is said of the solver and of the run, folded.
+fn solver(page: &Page) -> String {
+    format!(
+        "<details class=\"solver\">\n<summary>Solver and run</summary>\n<div class=\"charts\" id=\"solver\"></div>\n{}</details>\n",
+        page.parts.iter().filter(|parts| of_solver(parts.title)).map(parts).collect::<String>()
+            + &columns(page.facts.iter().filter(|facts| of_solver(facts.title)))
+    )
+}
+
+/// Whether what has this title is about the solver and not about the suspension.
+fn of_solver(title: &str) -> bool {
+    ["Solver", "Run", "Seconds of wall time"].contains(&title)
+}
+
+fn columns<'a>(all: impl Iterator<Item = &'a Facts>) -> String {
+    format!("<div class=\"columns\">\n{}</div>\n", all.map(facts).collect::<String>())
 }
 
 fn heading(page: &Page) -> String {

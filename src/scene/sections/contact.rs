@@ -49,7 +49,7 @@ pub(in crate::scene) const KEYS: [Key; 8] = [
     .unit("ratio")
     .default("1e-9")
     .range("at least 1e-12, at most 0.1")
-    .needs("flow.model = \"none\"; bodies.density = 1.0; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
+    .needs("flow.model = \"none\"; bodies.0.density = 1.0; time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
     Key::new(
         "stiffness",
         "number",

@@ -21,7 +21,8 @@ const USELESS: f64 = 1.0;
 /// Normal velocity from which a contact without a force has long been open, over the largest without impulses.
 const OPEN: f64 = 0.1;
 
-/// Before all contacts are swept, those that miss their law are, and what they touch, up to as many contacts as so many sweeps have.
+/// Before all contacts are swept to a tolerance, those that miss their law are, and what they touch, up to as many contacts as so many sweeps have. The interior point
+/// goes on from sweeps over all.
 const LOCAL: usize = 100;
 
 /// Contacts one after the other that sweeps are given: as many sweeps as that is, but no more than the second of these; to the first start no fewer than the
@@ -53,7 +54,9 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
         sweeps = Sweeps::new(program, vec![[0.0; D]; program.row_blocks.len()]);
     }
     let (mut first, mut iterations) = (FIRST.max(tolerance), 0);
-    sweeps.settle(first, LOCAL);
+    if tolerance >= FIRST {
+        sweeps.settle(first, LOCAL);
+    }
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
     loop {
         sweeps.run(first, if first >= FIRST { most.max(MOST_SWEEPS[0]) } else { most });
