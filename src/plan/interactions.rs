@@ -59,7 +59,7 @@ pub fn by_expressions<const D: usize>(scene: &Scene, radii: impl Iterator<Item =
 /// Friction and roughness of the surfaces of a scene, whose bodies are of these groups, if there are any.
 pub fn friction<const D: usize>(scene: &Scene, groups: &[usize]) -> Option<Rc<dyn Interaction<D>>> {
     let law = scene.contact.friction;
-    let (coefficient, tolerance) = (law.coefficient, scene.contact.friction_tolerance());
+    let (coefficient, tolerance) = (law.coefficient, scene.contact.tolerance);
     let of_films = scene.lubrication.roughness().filter(|_| coefficient > 0.0);
     let roughness = scene.contact.roughness.or(of_films).unwrap_or(0.0);
     if scene.frictions_differ() || !law.is_plain() {

@@ -82,7 +82,7 @@ fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &MotionView<D>
             residual,
             steps_above_tolerance,
             tolerance: match scene.dry() {
-                true => FrictionReport::tolerance_of(scene.contact.friction_tolerance()),
+                true => FrictionReport::tolerance_of(scene.contact.tolerance),
                 false => FrictionReport::TOLERANCE_IN_FLOW,
             },
         }),

@@ -178,7 +178,8 @@ fn check_friction(scene: &Scene) -> Result<()> {
         let expect = |right, remedy| expect(scene, right, "contact.roughness", roughness, remedy);
         expect(!scene.dry(), "only bodies in a fluid touch at a gap; remove it")?;
     }
-    if let Some(tolerance) = scene.contact.tolerance {
+    let tolerance = scene.contact.tolerance;
+    if tolerance != ContactSection::default().tolerance {
         let of_friction = scene.dry() && (friction > 0.0 || scene.frictions_differ());
         expect(
             scene,

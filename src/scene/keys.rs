@@ -5,7 +5,7 @@ use std::fmt::Display;
 use toml_edit::Value;
 
 use crate::body::Outline;
-use crate::contact::FrictionLaw;
+use crate::contact::{FRICTION_TOLERANCE, FrictionLaw};
 use crate::flow::InverseMethod;
 use crate::geometry::{Protocol, RateStep};
 use crate::scene::entry::word_of;
@@ -375,7 +375,9 @@ fn of_contact(contact: &ContactSection) -> Keys {
                 Some(friction).filter(|law| law.coefficient > 0.0).into_iter().flat_map(|law| of_friction("contact.friction", law));
             let of_walls = wall_friction.iter().flat_map(|law| of_friction("contact.wall_friction", law));
             let roughness = roughness.map(|roughness| number("contact.roughness", roughness));
-            let tolerance = tolerance.map(|tolerance| number("contact.tolerance", tolerance));
+            let tolerance = Some(*tolerance)
+                .filter(|tolerance| *tolerance != FRICTION_TOLERANCE)
+                .map(|tolerance| number("contact.tolerance", tolerance));
             friction.chain(of_walls).chain(roughness).chain(tolerance).collect()
         }
         ContactModel::None => vec![],

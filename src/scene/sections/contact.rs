@@ -118,7 +118,7 @@ const BY_EULER: &str = "time.end = 1.0; time.scheme = \"euler\"; contact.model =
 const TWISTING: &str = "time.end = 1.0; contact.model = \"inelastic\"; contact.friction.coefficient = 0.5; domain.size = [8.0, 8.0, 8.0]";
 
 /// What happens between bodies that touch.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ContactSection {
     /// The law of contact.
     pub model: ContactModel,
@@ -128,8 +128,15 @@ pub struct ContactSection {
     pub wall_friction: Option<FrictionLaw>,
     /// Gap at which bodies in a fluid touch, over the mean of their radii, if it is given.
     pub roughness: Option<f64>,
-    /// Residual to which the forces of dry bodies with friction are found, if it is given.
-    pub tolerance: Option<f64>,
+    /// Residual to which the forces of dry bodies with friction are found.
+    pub tolerance: f64,
+}
+
+impl Default for ContactSection {
+    fn default() -> Self {
+        let (model, friction) = (ContactModel::None, FrictionLaw::default());
+        ContactSection { model, friction, wall_friction: None, roughness: None, tolerance: FRICTION_TOLERANCE }
+    }
 }
 
 /// The law of contact.
@@ -195,15 +202,8 @@ impl ContactSection {
         }
         let roughness = table.get("roughness").map(|entry| roughness(&entry)).transpose()?;
         let wall_friction = table.get("wall_friction").map(|entry| self::friction(&entry)).transpose()?;
-        let tolerance = table.get("tolerance").map(|entry| friction_tolerance(&entry)).transpose()?;
+        let tolerance = table.get("tolerance").map_or(Ok(FRICTION_TOLERANCE), |entry| friction_tolerance(&entry))?;
         Ok(ContactSection { model, friction, wall_friction, roughness, tolerance })
-    }
-}
-
-impl ContactSection {
-    /// Residual to which the forces of dry bodies with friction are found.
-    pub fn friction_tolerance(&self) -> f64 {
-        self.tolerance.unwrap_or(FRICTION_TOLERANCE)
     }
 }
 
