@@ -84,13 +84,13 @@ impl AxisTransform {
 
     fn forward_pair(&mut self, one: &mut [f64], two: &mut [f64]) {
         match self.ends {
-            LineEnds::Periodic => self.to_waves(one, two),
+            LineEnds::Periodic => self.forward_waves(one, two),
             LineEnds::OnWalls => self.sines_on_walls(one, two),
-            LineEnds::Flat => self.to_cosines(one, two),
+            LineEnds::Flat => self.forward_cosines(one, two),
             LineEnds::Vanish => {
                 // sines are cosines of what changes its sign from point to point, the fastest first
                 alternate(one, two);
-                self.to_cosines(one, two);
+                self.forward_cosines(one, two);
                 one.reverse();
                 two.reverse();
             }
@@ -99,20 +99,20 @@ impl AxisTransform {
 
     fn backward_pair(&mut self, one: &mut [f64], two: &mut [f64]) {
         match self.ends {
-            LineEnds::Periodic => self.from_waves(one, two),
+            LineEnds::Periodic => self.backward_waves(one, two),
             LineEnds::OnWalls => self.sines_on_walls(one, two),
-            LineEnds::Flat => self.from_cosines(one, two),
+            LineEnds::Flat => self.backward_cosines(one, two),
             LineEnds::Vanish => {
                 one.reverse();
                 two.reverse();
-                self.from_cosines(one, two);
+                self.backward_cosines(one, two);
                 alternate(one, two);
             }
         }
     }
 
     /// `sum_j x_j cos(pi k (j + 1/2) / n)`.
-    fn to_cosines(&mut self, one: &mut [f64], two: &mut [f64]) {
+    fn forward_cosines(&mut self, one: &mut [f64], two: &mut [f64]) {
         let points = self.points;
         // even points, and odd ones backwards
         for (place, value) in self.pair.iter_mut().enumerate() {
@@ -128,7 +128,7 @@ impl AxisTransform {
     }
 
     /// The inverse, `points` times as large.
-    fn from_cosines(&mut self, one: &mut [f64], two: &mut [f64]) {
+    fn backward_cosines(&mut self, one: &mut [f64], two: &mut [f64]) {
         let points = self.points;
         for wave in 0..points {
             // what the real part above has left out: the cosine that mirrors this one
@@ -159,7 +159,7 @@ impl AxisTransform {
         }
     }
 
-    fn to_waves(&mut self, one: &mut [f64], two: &mut [f64]) {
+    fn forward_waves(&mut self, one: &mut [f64], two: &mut [f64]) {
         let points = self.points;
         self.pair.iter_mut().zip(one.iter().zip(&*two)).for_each(|(value, (one, two))| *value = Complex::new(*one, *two));
         self.waves.forward(&mut self.pair);
@@ -172,7 +172,7 @@ impl AxisTransform {
         }
     }
 
-    fn from_waves(&mut self, one: &mut [f64], two: &mut [f64]) {
+    fn backward_waves(&mut self, one: &mut [f64], two: &mut [f64]) {
         let points = self.points;
         let wave_of = |line: &[f64], wave: usize| match wave {
             0 => Complex::new(line[0], 0.0),
