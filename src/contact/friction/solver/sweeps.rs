@@ -114,8 +114,9 @@ impl<'a, const D: usize, const W: usize> Sweeps<'a, D, W> {
     fn visit(&mut self, place: usize) {
         if self.program.bounds.is_empty() {
             let row_block = &self.program.row_blocks[place];
-            let solved = if row_block.dilation > 0.0 { projection } else { solution };
-            alone(row_block, &mut self.forces[place], &mut self.motion, |without| solved(without, row_block.friction));
+            alone(row_block, &mut self.forces[place], &mut self.motion, |without| {
+                if row_block.dilation > 0.0 { projection(without, row_block.friction) } else { solution(without, row_block.friction) }
+            });
         } else {
             // what turns a contact takes its normal impulse as it is
             let (limit, leader) = (self.program.limit(place), self.program.leader(place));

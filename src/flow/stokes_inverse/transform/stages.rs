@@ -19,7 +19,7 @@ pub struct Stages<const D: usize> {
 impl<const D: usize> Stages<D> {
     /// Those that move least from the blocks of a grid.
     pub fn new(grid: &Grid<D>) -> Stages<D> {
-        let own = BlockLayout((0..grid.partition().blocks()).map(|rank| grid.partition().block(rank)).collect());
+        let own = blocks(grid);
         let special = (0..D).find(|&axis| grid.domain().axes[axis] != Axis::Periodic);
         let pencils = Pencils::new(&own, grid.cells(), special);
         let order = pencils.order();
@@ -29,9 +29,14 @@ impl<const D: usize> Stages<D> {
     }
 }
 
+/// The blocks of a grid.
+fn blocks<const D: usize>(grid: &Grid<D>) -> BlockLayout<D> {
+    BlockLayout((0..grid.partition().blocks()).map(|rank| grid.partition().block(rank)).collect())
+}
+
 /// The layouts in which the fields are transformed one after the other: the blocks of the grid, and those where each axis is whole, with these in order.
 pub fn separated<const D: usize>(grid: &Grid<D>) -> (Vec<BlockLayout<D>>, [usize; D]) {
-    let own = BlockLayout((0..grid.partition().blocks()).map(|rank| grid.partition().block(rank)).collect());
+    let own = blocks(grid);
     let pencils = Pencils::new(&own, grid.cells(), None);
     (std::iter::once(own).chain(pencils.layouts(grid.cells())).collect(), pencils.order())
 }
