@@ -52,11 +52,11 @@ pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, candidates};
 pub use force::{ContactForce, pushes};
 pub use friction::{
-    ContactState, ContactWrench, FRICTION_TOLERANCE, FlowContacts, FrictionIsland, FrictionLaw, FrictionProjection, FrictionShare,
-    HeldContact, HeldRow, ImmersedBodies, NearResistance, NetworkResistance, RigidTwists, SurfaceFriction, TiedFriction, TiedWrenches,
-    carried, contacts_on_the_way, project_with_friction,
+    ContactState, ContactWrench, FlowContacts, FrictionIsland, FrictionLaw, FrictionProjection, FrictionShare, HeldContact, HeldRow,
+    ImmersedBodies, NearResistance, NetworkResistance, RigidTwists, SurfaceFriction, TiedFriction, TiedWrenches, carried,
+    contacts_on_the_way, project_with_friction,
 };
-pub use friction_report::FrictionReport;
+pub use friction_report::{FRICTION_TOLERANCE, FrictionReport};
 pub use given::{GivenPaths, Meeting};
 pub use identity::{Identity, Partner, bodies_of, pack, packed_length, renamed, unpack};
 pub use kkt_report::KktReport;

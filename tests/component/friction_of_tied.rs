@@ -105,13 +105,16 @@ fn a_rod_on_one_contact_obeys_the_law_below_and_above_the_limit_of_painleve(sess
     }
 }
 
-const HEAP: &str = "seed = 1\ngravity = [0.0, -1.0]\ndomain = { size = [14.0, 12.0], x = \"walls\", y = \"walls\" }\nflow = { model = \"none\" }\n\
+/// A box in which what falls comes to rest.
+pub const HEAP: &str = "seed = 1\ngravity = [0.0, -1.0]\ndomain = { size = [14.0, 12.0], x = \"walls\", y = \"walls\" }\nflow = { model = \"none\" }\n\
                     contact = { model = \"inelastic\", friction = 0.5 }\ntime = { end = 100.0, step = 0.05, scheme = \"euler\" }\n";
-const RODS: &str = "clusters = [{ count = 6, shape = \"rod\", beads = 3, spacing = 1.1, radius = 0.5, density = 1.0 }]\n";
-const CHAINS: &str = "chains = [{ count = 5, beads = 4, stretch = \"rigid\", radius = 0.5, density = 1.0 }]\n";
+/// Rigid clusters.
+pub const RODS: &str = "clusters = [{ count = 6, shape = \"rod\", beads = 3, spacing = 1.1, radius = 0.5, density = 1.0 }]\n";
+/// Chains of rigid length.
+pub const CHAINS: &str = "chains = [{ count = 5, beads = 4, stretch = \"rigid\", radius = 0.5, density = 1.0 }]\n";
 
 /// Kinetic energy and that of place of balls of radius 1/2 and density 1.
-fn energy(simulation: &Simulation<2>) -> f64 {
+pub fn energy(simulation: &Simulation<2>) -> f64 {
     let mass = 0.25 * std::f64::consts::PI;
     let of_ball = |body: &turbid::mechanics::Moving<2>| {
         let spin = components(&body.twist.spin)[0];

@@ -28,7 +28,7 @@ pub fn tests() -> Vec<Test> {
 }
 
 /// A crowd between walls that move, or in a sheared box.
-fn scene_text(domain: &str, spacing: f64, bodies: &str) -> String {
+pub fn scene_text(domain: &str, spacing: f64, bodies: &str) -> String {
     format!(
         "seed = 3\n{domain}\nresolution = {{ cells_per_radius = {spacing} }}\nmethod = {{ inverse = \"transform\", tolerance = 1e-8 }}\n\
          lubrication = {{ model = \"pairwise\", roughness = 0.04 }}\ncontact = {{ model = \"inelastic\", friction = 0.5 }}\n\
@@ -36,10 +36,15 @@ fn scene_text(domain: &str, spacing: f64, bodies: &str) -> String {
     )
 }
 
-const WALLS: &str = "domain = { size = [9.0, 7.0], y = { lower = [-3.5, 0.0], upper = [3.5, 0.0] } }\nflow = { model = \"stokes\" }";
+/// Walls that move.
+pub const WALLS: &str = "domain = { size = [9.0, 7.0], y = { lower = [-3.5, 0.0], upper = [3.5, 0.0] } }\nflow = { model = \"stokes\" }";
+
+/// A box whose images slide.
+pub const SHEARED: &str =
+    "domain = { size = [7.0, 7.0] }\nflow = { model = \"stokes\", drive = { shear_rate = 1.0, periodic = \"sheared\" } }";
 
 /// A force that brings balls to the floor.
-const PULLED: &str = ", force = [0.0, -90.0]";
+pub const PULLED: &str = ", force = [0.0, -90.0]";
 
 /// Force and torque on each group of bodies by the flow and by contacts, about the centre of the first body; the most over the largest contact force; zero without contacts.
 fn imbalance<const D: usize>(simulation: &Simulation<D>, observation: &Observation<D>, groups: &[Range<usize>]) -> f64 {
@@ -79,7 +84,7 @@ fn imbalance<const D: usize>(simulation: &Simulation<D>, observation: &Observati
 }
 
 /// What holds at every instant of a scene in which this many contacts rub, at least, in all steps together.
-fn proves<const D: usize>(session: &Session, text: &str, groups: &[Range<usize>], least: usize) {
+pub fn proves<const D: usize>(session: &Session, text: &str, groups: &[Range<usize>], least: usize) {
     let mut simulation = Simulation::<D>::new(session, &Scene::parse("groups", Path::new("."), text, &[]).unwrap()).unwrap();
     let mut rubbed = 0;
     while !simulation.over() {
@@ -109,8 +114,7 @@ fn rods_that_rub_are_rigid_and_in_balance(session: &Session) {
     };
     let groups: Vec<_> = (0..18).step_by(3).map(|first| first..first + 3).chain((18..26).map(|ball| ball..ball + 1)).collect();
     proves::<2>(session, &scene_text(WALLS, 4.0, &rods(PULLED)), &groups, 5);
-    let sheared = "domain = { size = [7.0, 7.0] }\nflow = { model = \"stokes\", drive = { shear_rate = 1.0, periodic = \"sheared\" } }";
-    proves::<2>(session, &scene_text(sheared, 4.0, &rods("")).replace("end = 0.6", "end = 1.0"), &groups, 1);
+    proves::<2>(session, &scene_text(SHEARED, 4.0, &rods("")).replace("end = 0.6", "end = 1.0"), &groups, 1);
 }
 
 fn chains_and_rings_that_rub_are_in_balance(session: &Session) {

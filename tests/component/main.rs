@@ -1,6 +1,6 @@
 //! Component tests of the lower floors, on 1, 2 and 3 ranks: `mpirun -n 3 component [part of a name]`.
 //!
-//! A few that take long and say nothing about ranks run on one number of them only, unless they are named.
+//! A few that take long and say nothing about ranks run on one number of them only, unless they are named; a file (`friction::`) names none.
 //! `component --share=1/2` runs every second test, `component --share=2/2` the others: two processes of one rank each fill two cores.
 //!
 //! `component panic-on-last-rank` does just that; all ranks must stop with a non-zero code.
@@ -36,6 +36,7 @@ mod friction_by_law;
 mod friction_by_law_in_flow;
 mod friction_in_flow;
 mod friction_of_tied;
+mod friction_pairs;
 mod friction_turning_in_flow;
 mod friction_with_all;
 mod grid;
@@ -135,6 +136,7 @@ fn main() {
         friction_by_law_in_flow::tests(),
         friction_in_flow::tests(),
         friction_of_tied::tests(),
+        friction_pairs::tests(),
         friction_turning_in_flow::tests(),
         friction_with_all::tests(),
         transform::tests(),
@@ -181,9 +183,10 @@ fn main() {
     ];
     let (place, count) = share();
     let ranks = session.world().size();
+    let fits = |test: &Test| test.ranks.is_none_or(|only| only == ranks);
     let runs = |test: &Test| match &wanted[..] {
-        [] => test.ranks.is_none_or(|only| only == ranks),
-        parts => parts.iter().any(|part| test.name.contains(part)),
+        [] => fits(test),
+        parts => parts.iter().any(|part| test.name.contains(part) && (fits(test) || !part.ends_with("::"))),
     };
     for test in floors.into_iter().flatten().filter(runs).skip(place).step_by(count) {
         let start = Instant::now();

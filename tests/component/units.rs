@@ -25,6 +25,7 @@ pub fn tests() -> Vec<Test> {
         Test::only_on(1, units_change_no_membrane_in_space),
         Test::only_on(1, units_change_no_cluster_and_no_contact),
         Test::only_on(1, units_change_no_cluster_with_inertia),
+        Test::only_on(1, units_change_no_friction),
         Test::only_on(1, units_change_nothing_that_is_dry),
         Test::only_on(1, units_change_no_force_by_an_expression),
     ]
@@ -264,6 +265,15 @@ fn units_change_no_cluster_with_inertia(session: &Session) {
     let flow = "model = \"navier-stokes\", density = 1.0";
     let contact = "model = \"inelastic\"";
     proof::<2>(session, contact, &clusters(flow, contact, "pairwise"), &UNITS[..5], 1e-5);
+}
+
+/// To what flow and contacts agree to.
+fn units_change_no_friction(session: &Session) {
+    for law in ["coefficient = 0.5", "coefficient = 0.5, law = \"convex\""] {
+        let contact = format!("model = \"inelastic\", friction = {{ {law} }}");
+        let text = clusters("model = \"stokes\"", &contact, "pairwise").replace("step = 0.02", "step = 0.02, scheme = \"euler\"");
+        proof::<2>(session, law, &text, &UNITS[..5], 1e-4);
+    }
 }
 
 fn units_change_nothing_that_is_dry(session: &Session) {

@@ -4,9 +4,6 @@
 //! orthogonal. That holds just if the natural map `r - P_K(r - u - mu |u_T| e_N)` is zero. By the convex law (Anitescu and Tasora 2010,
 //! doi:10.1007/s10589-008-9223-4) `u` itself is in the dual cone: a contact that slips opens. Components: the normal one, then tangential ones.
 
-/// Residual below which the impulses of an island are a solution if no other is asked for: the natural map over the largest velocity without impulses.
-pub const TOLERANCE: f64 = 1e-9;
-
 /// The size of the tangential part.
 #[inline]
 pub fn tangential_size(vector: &[f64]) -> f64 {

@@ -34,7 +34,6 @@ mod turns;
 mod tests;
 
 pub use cone::ContactState;
-pub use cone::TOLERANCE as FRICTION_TOLERANCE;
 pub use flow::held_contact::HeldContact;
 pub use flow::held_rows::HeldRow;
 pub use flow::in_flow::FlowContacts;

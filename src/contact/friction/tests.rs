@@ -7,7 +7,7 @@ use nalgebra::SVector;
 
 use super::{
     FrictionLaw,
-    cone::{ContactState, TOLERANCE, tangential_size},
+    cone::{ContactState, tangential_size},
     medium::Medium,
     program::{FrictionIsland, FrictionProgram},
     row_block::{NONE, RowBlock},
@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     body::{Twist, skew},
-    contact::{Contact, candidates, solver::clarabel::solve_general},
+    contact::{Contact, FRICTION_TOLERANCE, candidates, solver::clarabel::solve_general},
     geometry::{Axis, Ball, Domain},
 };
 
@@ -115,8 +115,8 @@ fn spheres() -> Pile<3> {
 /// Energy after the step, and the sum of normal impulses, by another program (the same law, its own sweeps and factors; to 1e-12).
 fn agrees<const D: usize, const W: usize>(pile: &Pile<D>, coefficient: f64, [energy, normal]: [f64; 2]) {
     let program = pile.program::<W>(coefficient);
-    let found = solve_exactly(&program, vec![[0.0; D]; program.row_blocks.len()], TOLERANCE);
-    assert!(found.residual <= TOLERANCE && found.iterations < 10, "{found:?}");
+    let found = solve_exactly(&program, vec![[0.0; D]; program.row_blocks.len()], FRICTION_TOLERANCE);
+    assert!(found.residual <= FRICTION_TOLERANCE && found.iterations < 10, "{found:?}");
     let sum: f64 = Pile::impulses(&program, &found).iter().map(|impulse| impulse[0]).sum();
     let after = pile.energy(&program, &found.forces);
     assert!((after - energy).abs() < 1e-8 * energy && (sum - normal).abs() < 1e-8 * normal, "mu {coefficient}: {after:.12}, {sum:.12}");
@@ -136,11 +136,11 @@ fn disks_and_spheres_fall_on_a_floor_as_in_another_program() {
 fn the_interior_point_needs_no_guess_and_takes_a_good_one() {
     let program = disks().program::<3>(0.5);
     let cold = follow(&program, &vec![[0.0; 2]; program.row_blocks.len()], (1.0, 1e-11));
-    assert!(cold.residual <= TOLERANCE && cold.iterations <= 12, "{} {:e}", cold.iterations, cold.residual);
+    assert!(cold.residual <= FRICTION_TOLERANCE && cold.iterations <= 12, "{} {:e}", cold.iterations, cold.residual);
     let mut sweeps = Sweeps::new(&program, vec![[0.0; 2]; program.row_blocks.len()]);
     sweeps.run(1e-3, 1000);
     let warm = follow(&program, &sweeps.forces, (1e-2, 1e-11));
-    assert!(warm.residual <= TOLERANCE && warm.iterations < cold.iterations, "{} {:e}", warm.iterations, warm.residual);
+    assert!(warm.residual <= FRICTION_TOLERANCE && warm.iterations < cold.iterations, "{} {:e}", warm.iterations, warm.residual);
     let motions = [cold.forces, warm.forces].map(|forces| program.motion(&forces));
     let apart = motions[0].as_flattened().iter().zip(motions[1].as_flattened()).map(|(one, two)| (one - two).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-8, "{apart:e}");
@@ -172,7 +172,7 @@ fn by_the_convex_law_motions_are_those_of_one_program() {
         program.row_blocks.iter_mut().for_each(|row_block| row_block.dilation = row_block.friction);
         let none = vec![[0.0; D]; program.row_blocks.len()];
         let end = follow(&program, &none, (1.0, 1e-11));
-        assert!(end.residual <= TOLERANCE && end.iterations <= 25, "{:e} after {}", end.residual, end.iterations);
+        assert!(end.residual <= FRICTION_TOLERANCE && end.iterations <= 25, "{:e} after {}", end.residual, end.iterations);
         let mut sweeps = Sweeps::new(&program, none);
         sweeps.run(1e-10, 100_000);
         assert!(farthest(&program.motion(&end.forces), &program.motion(&sweeps.forces)) < 1e-7);
@@ -219,7 +219,7 @@ fn programs_of_convex_cones_end_at_the_same_motion() {
         forces = both.map(|([plus, minus], row_block)| [plus + minus, row_block.friction * (plus - minus)]).collect();
     }
     assert!(program.residual(&forces) < 1e-6, "{:e}", program.residual(&forces));
-    let exact = program.motion(&solve_exactly(&program, vec![[0.0; 2]; forces.len()], TOLERANCE).forces);
+    let exact = program.motion(&solve_exactly(&program, vec![[0.0; 2]; forces.len()], FRICTION_TOLERANCE).forces);
     let apart =
         exact.as_flattened().iter().zip(program.motion(&forces).as_flattened()).map(|(one, two)| (one - two).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-6, "{apart:e}");
@@ -229,12 +229,12 @@ fn programs_of_convex_cones_end_at_the_same_motion() {
 #[test]
 fn a_loose_tolerance_is_met_by_sweeps() {
     let mut program = disks().program::<3>(0.5);
-    let known = solve_exactly(&program, vec![[0.0; 2]; program.row_blocks.len()], TOLERANCE).forces;
+    let known = solve_exactly(&program, vec![[0.0; 2]; program.row_blocks.len()], FRICTION_TOLERANCE).forces;
     program.row_blocks[0].offset[0] -= 0.3 * program.unit;
     assert!(program.residual(&known) > 1e-2);
-    let [loose, tight] = [1e-3, TOLERANCE].map(|tolerance| solve_exactly(&program, known.clone(), tolerance));
-    assert!(loose.residual <= 1e-3 && loose.residual > TOLERANCE && loose.iterations == 0 && loose.sweeps > 0, "{loose:?}");
-    assert!((program.residual(&loose.forces) - loose.residual).abs() < 1e-9 && tight.residual <= TOLERANCE);
+    let [loose, tight] = [1e-3, FRICTION_TOLERANCE].map(|tolerance| solve_exactly(&program, known.clone(), tolerance));
+    assert!(loose.residual <= 1e-3 && loose.residual > FRICTION_TOLERANCE && loose.iterations == 0 && loose.sweeps > 0, "{loose:?}");
+    assert!((program.residual(&loose.forces) - loose.residual).abs() < 1e-9 && tight.residual <= FRICTION_TOLERANCE);
     let apart = farthest(&program.motion(&loose.forces), &program.motion(&tight.forces));
     assert!(apart < 2e-2 * program.unit, "{apart:e} of {:e}", program.unit);
 }
@@ -259,8 +259,8 @@ fn a_rod_of_painleve_has_an_impulse() {
                 medium: Rc::new(Medium::none()),
                 modes: Vec::new(),
             };
-            let end = follow(&program, &[[0.0; 2]], (1.0, TOLERANCE));
-            assert!(end.residual <= TOLERANCE, "angle {angle}, {part} of the limit, slip {slip}: {:e}", end.residual);
+            let end = follow(&program, &[[0.0; 2]], (1.0, FRICTION_TOLERANCE));
+            assert!(end.residual <= FRICTION_TOLERANCE, "angle {angle}, {part} of the limit, slip {slip}: {:e}", end.residual);
         }
     }
 }
@@ -272,8 +272,8 @@ fn the_interior_point_solves_with_modes_of_the_mobility() {
         let count = program.row_blocks.len();
         let wave = |phase: f64| (0..count).map(|place| std::array::from_fn(|axis| (phase * (D * place + axis) as f64).sin())).collect();
         program.modes = [(0.3, 0.7), (0.1, 1.9)].map(|(gain, phase)| MobilityMode { gain, rates: wave(phase) }).to_vec();
-        let end = follow(&program, &vec![[0.0; D]; count], (1.0, TOLERANCE));
-        assert!(end.residual <= TOLERANCE && end.iterations < 40, "{:e} after {}", end.residual, end.iterations);
+        let end = follow(&program, &vec![[0.0; D]; count], (1.0, FRICTION_TOLERANCE));
+        assert!(end.residual <= FRICTION_TOLERANCE && end.iterations < 40, "{:e} after {}", end.residual, end.iterations);
         program.modes.clear();
         assert!(program.residual(&end.forces) > 1e-3);
     }
@@ -287,7 +287,7 @@ fn contacts_that_open_bear_nothing() {
     pile.twists.iter_mut().for_each(|twist| (twist.velocity[1], twist.spin) = (10.0, skew(&[0.0])));
     pile.contacts.retain(|contact| contact.other().is_none());
     let program = pile.program::<3>(0.5);
-    let found = solve_exactly(&program, vec![[1.0, 0.5]; program.row_blocks.len()], TOLERANCE);
+    let found = solve_exactly(&program, vec![[1.0, 0.5]; program.row_blocks.len()], FRICTION_TOLERANCE);
     assert_eq!((found.residual, found.sweeps, program.residual(&found.forces)), (0.0, 0, 0.0));
     assert!(found.forces.iter().all(|force| *force == [0.0; 2]));
 }

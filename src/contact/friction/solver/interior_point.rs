@@ -10,9 +10,9 @@ use super::{
     pairs::{Newton, Pairs},
 };
 use crate::contact::{
+    FRICTION_TOLERANCE,
     friction::{
         bounds::Limit,
-        cone::TOLERANCE,
         program::FrictionProgram,
         row_block::{NONE, RowBlock},
         secant::dot,
@@ -77,7 +77,7 @@ pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, g
         short = if point.last < SHORT.1 { short + 1 } else { 0 };
         let turns_back = short == SHORT.0 && !program.medium.resists();
         // digits no longer double: rounding
-        let ends = best.residual <= TOLERANCE && residual > SLOW * best.residual;
+        let ends = best.residual <= FRICTION_TOLERANCE && residual > SLOW * best.residual;
         if residual < best.residual {
             (best.forces, best.residual) = (forces, residual);
         }

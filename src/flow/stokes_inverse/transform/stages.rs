@@ -2,7 +2,7 @@
 
 use rustfft::num_complex::Complex;
 
-use super::{Axis, BlockLayout, Grid, Pencils};
+use super::{Axis, BlockLayout, Grid, Pencils, TransformInverse};
 
 /// The layouts of a transform along all axes.
 pub struct Stages<const D: usize> {
@@ -53,7 +53,7 @@ pub struct Transposes {
 impl Transposes {
     /// Of a solve on a grid.
     pub fn of<const D: usize>(grid: &Grid<D>) -> Transposes {
-        if (0..D).filter(|&axis| !grid.domain().periodic(axis)).count() > 1 {
+        if !TransformInverse::fits(grid.domain()) {
             let (layouts, _) = separated(grid);
             let moves = layouts.windows(2).map(|pair| (&pair[0], &pair[1], size_of::<f64>()));
             let all = Transposes::of_moves::<D>(moves);
