@@ -20,7 +20,7 @@ pub const LOG: &str = "run.log";
 pub const REPORT: &str = "report.html";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 46] = [
+const FILES: [&str; 48] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -36,6 +36,8 @@ const FILES: [&str; 46] = [
     "contacts.xdmf",
     "fields.xdmf",
     "membranes.xdmf",
+    "bodies.vtkhdf",
+    "fields.vtkhdf",
     "picture.svg",
     "picture.png",
     "animation.png",
@@ -70,7 +72,7 @@ const FILES: [&str; 46] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 37] = [
+pub const KNOWN_FILES: [(&str, &str); 39] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies with prescribed motion, a row for each step"),
@@ -105,6 +107,8 @@ pub const KNOWN_FILES: [(&str, &str); 37] = [
     ("contacts.xdmf", "contacts of all frames, for ParaView"),
     ("bonds.xdmf", "bonds of all frames, for ParaView"),
     ("membranes.xdmf", "membranes of all frames, for ParaView"),
+    ("bodies.vtkhdf", "bodies of all frames as VTKHDF, for ParaView"),
+    ("fields.vtkhdf", "the flow of all frames as VTKHDF, for ParaView"),
     (CHECKPOINT, "from where the run can go on"),
     ("scene.toml", "the scene"),
     (LOG, "dates and progress of the run"),
