@@ -4,6 +4,7 @@ usage: independent_reader.py FOLDER DIMENSION FRAMES
        independent_reader.py FOLDER run              a run of the program, under way or finished
 """
 
+import hashlib
 import json
 import pathlib
 import sys
@@ -164,6 +165,7 @@ def check_run(folder):
             frames = dict(zip(times, (run["frames"][name] for name in names)))
             check_network(folder, {time: frame["contacts"] for time, frame in frames.items()})
             check_vtkhdf(folder, frames)
+            check_crate(folder)
             check_offsets(folder, frames)
             check_bonds(folder, frames)
             check_membranes(folder, frames)
@@ -260,6 +262,25 @@ def check_vtkhdf(folder, frames):
             for name, values in found.items():
                 same(values, numpy.asarray(expected[time][name]).reshape(values.shape), f"{name} of {kind} in VTKHDF")
         same(times, sorted(expected), f"times of {path}")
+
+
+def check_crate(folder):
+    """The RO-Crate describes every file of the run by its size and checksum, and each thing that it refers to."""
+    graph = json.loads((folder / "ro-crate-metadata.json").read_text())["@graph"]
+    things = {thing["@id"]: thing for thing in graph}
+    root, run = things[things["ro-crate-metadata.json"]["about"]["@id"]], things["#run"]
+    assert things["ro-crate-metadata.json"]["conformsTo"] == {"@id": "https://w3id.org/ro/crate/1.1"}
+    assert len(things) == len(graph) and all(root[key] for key in ["name", "description", "datePublished", "license"])
+    parts = {part["@id"] for part in root["hasPart"]}
+    assert parts == {thing["@id"] for thing in graph if thing["@type"] == "File"}
+    inputs, results = (run[key] if isinstance(run[key], list) else [run[key]] for key in ["object", "result"])
+    assert parts == {entry["@id"] for entry in inputs + results} and {"@id": "scene.toml"} in inputs
+    assert run["startTime"] <= run["endTime"] and things[run["instrument"]["@id"]]["@type"] == "SoftwareApplication"
+    there = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert parts == there - {"ro-crate-metadata.json"}, f"{parts ^ there}"
+    for part in parts:
+        bytes = (folder / part).read_bytes()
+        assert things[part]["contentSize"] == str(len(bytes)) and things[part]["sha256"] == hashlib.sha256(bytes).hexdigest(), part
 
 
 def check_offsets(folder, frames):
