@@ -11,6 +11,11 @@ pub fn date(time: SystemTime) -> String {
     format!("{year}-{month:02}-{day:02} {:02}:{:02}:{:02} UTC", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
+/// The same as ISO 8601 has it, such as `2026-03-01T12:00:05+00:00`.
+pub fn iso_date(time: SystemTime) -> String {
+    date(time).replacen(' ', "T", 1).replace(" UTC", "+00:00")
+}
+
 /// A length of time in seconds, minutes and hours, such as `2 h 5 min`.
 pub fn duration(seconds: f64) -> String {
     match seconds {
@@ -46,6 +51,7 @@ mod tests {
         let at = |seconds| date(UNIX_EPOCH + Duration::from_secs(seconds));
         assert_eq!(at(0), "1970-01-01 00:00:00 UTC");
         assert_eq!(at(951_827_696), "2000-02-29 12:34:56 UTC");
+        assert_eq!(iso_date(UNIX_EPOCH + Duration::from_secs(951_827_696)), "2000-02-29T12:34:56+00:00");
         assert_eq!(at(1_772_366_399), "2026-03-01 11:59:59 UTC");
     }
 

@@ -18,9 +18,11 @@ pub const CHECKPOINT: &str = "checkpoint.h5";
 pub const LOG: &str = "run.log";
 /// The page of the run.
 pub const REPORT: &str = "report.html";
+/// What the folder holds, and how it came about.
+pub const CRATE: &str = "ro-crate-metadata.json";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 46] = [
+const FILES: [&str; 49] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -36,6 +38,8 @@ const FILES: [&str; 46] = [
     "contacts.xdmf",
     "fields.xdmf",
     "membranes.xdmf",
+    "bodies.vtkhdf",
+    "fields.vtkhdf",
     "picture.svg",
     "picture.png",
     "animation.png",
@@ -66,11 +70,12 @@ const FILES: [&str; 46] = [
     ".profile-frames.csv.sums",
     "contact-island.json",
     REPORT,
+    CRATE,
     LOG,
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 37] = [
+pub const KNOWN_FILES: [(&str, &str); 40] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies with prescribed motion, a row for each step"),
@@ -105,8 +110,11 @@ pub const KNOWN_FILES: [(&str, &str); 37] = [
     ("contacts.xdmf", "contacts of all frames, for ParaView"),
     ("bonds.xdmf", "bonds of all frames, for ParaView"),
     ("membranes.xdmf", "membranes of all frames, for ParaView"),
+    ("bodies.vtkhdf", "bodies of all frames as VTKHDF, for ParaView"),
+    ("fields.vtkhdf", "the flow of all frames as VTKHDF, for ParaView"),
     (CHECKPOINT, "from where the run can go on"),
     ("scene.toml", "the scene"),
+    (CRATE, "all files of the run with their checksums, as RO-Crate"),
     (LOG, "dates and progress of the run"),
 ];
 
@@ -146,6 +154,12 @@ impl Traces {
     /// Whether a file of this name is among them.
     pub fn has(&self, name: &str) -> bool {
         self.files.iter().any(|path| path.ends_with(name))
+    }
+
+    /// Their paths in the folder.
+    pub fn names(&self) -> Vec<String> {
+        let all = self.files.iter().chain(&self.frames);
+        all.filter_map(|path| Some(path.strip_prefix(&self.folder).ok()?.to_string_lossy().into_owned())).collect()
     }
 
     /// What they are, in words.

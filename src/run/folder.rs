@@ -1,11 +1,17 @@
 //! The output folder of a run: whose it is, what it holds, and the text of its scene.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    time::SystemTime,
+};
 
-use super::origin::Origin;
+use super::{calibration, command::command, origin::Origin};
 use crate::{
     error::{Error, Offer, Place, Refusal, Result},
-    output::{CHECKPOINT, Checkpoint, FolderLock, SUMMARY, Summary, Traces, check_finite, prepare_folder, remove_file, write_whole},
+    output::{
+        CHECKPOINT, CRATE, Checkpoint, FolderLock, RunRecord, SUMMARY, Summary, Traces, check_finite, prepare_folder, remove_file,
+        write_crate, write_whole,
+    },
     parallel::World,
     scene::Scene,
 };
@@ -25,6 +31,8 @@ pub struct RunFolder<'a> {
     /// The files that the scene names, as they were when the run was asked for.
     files: Vec<(String, String)>,
     claimed: bool,
+    /// When this program came to it.
+    begun: SystemTime,
     /// On the first rank.
     _lock: Option<FolderLock>,
 }
@@ -48,7 +56,17 @@ impl<'a> RunFolder<'a> {
     pub fn to_begin(world: &'a World, path: &Path, new: NewRun) -> Result<RunFolder<'a>> {
         let files = world.agree(new.scene.files())?;
         let (path, scene_file) = (path.to_owned(), new.scene_file.map(Path::to_owned));
-        let folder = RunFolder { world, path, scene_file, overwrite: new.overwrite, resumed: false, files, claimed: false, _lock: None };
+        let folder = RunFolder {
+            world,
+            path,
+            scene_file,
+            overwrite: new.overwrite,
+            resumed: false,
+            files,
+            claimed: false,
+            begun: SystemTime::now(),
+            _lock: None,
+        };
         world.on_first_rank(|| {
             FolderLock::refuse_held(&folder.path)?;
             folder.refuse(new.scene)
@@ -75,6 +93,7 @@ impl<'a> RunFolder<'a> {
             resumed: true,
             files,
             claimed: false,
+            begun: SystemTime::now(),
             _lock: lock,
         })
     }
@@ -117,7 +136,7 @@ impl<'a> RunFolder<'a> {
             if self.resumed {
                 prepare_folder(&self.path)?;
                 // a folder with a summary is complete: from now on this one is not
-                remove_file(&self.path.join(SUMMARY))?;
+                [SUMMARY, CRATE].iter().try_for_each(|name| remove_file(&self.path.join(name)))?;
             } else {
                 self.clear(scene)?;
             }
@@ -149,15 +168,18 @@ impl<'a> RunFolder<'a> {
         Ok(vec![("scene", scene.copied_text()?), ("origin", Origin::new(&scene.name, &self.files).text())])
     }
 
-    /// Writes the last file of the run and gives its name.
+    /// Writes the last files of the run, the summary after the others, and gives their names.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn complete(&self, summary: &Summary) -> Result<String> {
+    pub fn complete(&self, summary: &Summary) -> Result<Vec<String>> {
         check_finite(SUMMARY, summary)?;
         let json = serde_json::to_string_pretty(summary).expect("a summary is plain numbers and text");
+        let inputs = [SCENE, calibration::FILE].into_iter().chain(self.files.iter().map(|(name, _)| name.as_str()));
+        let inputs = inputs.map(str::to_owned).collect();
+        write_crate(self.world, &self.path, &RunRecord { summary, text: &json, command: command(), begun: self.begun, inputs })?;
         self.world.on_first_rank(|| write_whole(&self.path.join(SUMMARY), json.as_bytes()))?;
-        Ok(SUMMARY.to_owned())
+        Ok([CRATE, SUMMARY].map(str::to_owned).to_vec())
     }
 
     fn lock(&mut self) -> Result<()> {

@@ -371,7 +371,7 @@ impl<'a, const D: usize> Run<'a, D> {
         // with the seconds of what was written since
         summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
         if let Some(folder) = &self.folder {
-            files.push(folder.complete(&summary)?);
+            files.extend(folder.complete(&summary)?);
         }
         let folder = self.folder.as_ref().map(|folder| folder.path().to_owned());
         Ok(Finished { summary, curve: self.history.points().to_vec(), folder, files })

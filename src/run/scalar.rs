@@ -84,7 +84,7 @@ fn write<const D: usize>(
             world.on_first_rank(|| output::write_whole(&folder.path().join(REPORT), html.as_bytes()))?;
             files.push(REPORT.to_owned());
         }
-        files.push(folder.complete(&summary)?);
+        files.extend(folder.complete(&summary)?);
     }
     Ok(Finished { summary, curve: Vec::new(), folder: folder.map(|folder| folder.path().to_owned()), files })
 }

@@ -413,6 +413,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
         every,
         fields,
         vorticity,
+        vtkhdf,
         objects,
         checkpoint,
         probe,
@@ -442,6 +443,7 @@ fn of_output(output: &OutputSection, in_time: bool, model: FlowModel) -> Keys {
     }
     keys.extend(fields.filter(|_| model.fluid()).map(|fields| pair("output.fields", fields)));
     keys.extend(model.fluid().then(|| pair("output.vorticity", vorticity)));
+    keys.extend((model != FlowModel::Scalar).then(|| pair("output.vtkhdf", vtkhdf)));
     keys.extend((model.fluid() || colour.of_bodies()).then(|| word("output.colour", word_of(&Colour::WORDS, colour))));
     let axes: Vec<&str> = profiles.iter().map(|&axis| ["x", "y", "z"][axis]).collect();
     keys.extend((!axes.is_empty()).then(|| pair("output.profiles", format!("{axes:?}"))));

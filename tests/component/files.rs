@@ -38,6 +38,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_checkpoint_that_cannot_be_written_names_its_file),
         Test::of(frames_give_back_their_bodies),
         Test::of(frames_give_back_their_contacts),
+        Test::of(frames_are_joined_as_vtkhdf_once_they_end),
         Test::of(fields_are_stored_slowest_axis_first_whoever_wrote_them),
         Test::of(a_resumed_run_forgets_later_frames_and_a_new_one_all),
         Test::of(frames_for_an_independent_reader),
@@ -204,7 +205,7 @@ fn a_checkpoint_that_cannot_be_written_names_its_file(session: &Session) {
 fn frames_give_back_their_bodies(session: &Session) {
     fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
         let folder = folder(session);
-        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        let mut frames = Frames::create(session.world(), &folder, true).unwrap();
         for step in 0..3 {
             // the first frame has no bodies
             let bodies = bodies(domain, step, 5 * step);
@@ -230,7 +231,7 @@ fn frames_give_back_their_bodies(session: &Session) {
     let sliding = |time| Domain { axes: [Axis::Periodic, Axis::Sheared(LeesEdwards::steady(0.3, -2.0, time))], ..domain(BOXES_2D[0]) };
     [0.0, 0.4, 1.7].into_iter().for_each(|time| proof(session, &sliding(time)));
     let folder = folder(session);
-    let mut frames = Frames::create(session.world(), &folder).unwrap();
+    let mut frames = Frames::create(session.world(), &folder, true).unwrap();
     write_frame(session, &mut frames, bare(0.0, 0, &domain(BOXES_2D[0]), &[]));
     let error = read_frames::<3>(&folder).unwrap_err().to_string();
     assert!(error.contains("000000.h5") && error.contains("2 dimensions, not 3"), "{error}");
@@ -239,7 +240,7 @@ fn frames_give_back_their_bodies(session: &Session) {
 fn frames_give_back_their_contacts(session: &Session) {
     fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
         let folder = folder(session);
-        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        let mut frames = Frames::create(session.world(), &folder, true).unwrap();
         let partners = [Partner::Body(4), Partner::Wall { axis: 1, upper: false }, Partner::Wall { axis: 0, upper: true }];
         let contact = |(place, partner): (usize, Partner), gluey: bool| FrameContact {
             body: place,
@@ -272,7 +273,7 @@ fn frames_give_back_their_contacts(session: &Session) {
         assert_eq!(listed.matches("contacts/friction").count(), 1, "{listed}");
         session.world().barrier();
         // without a law of contact there is nothing of it, and nothing of an earlier run is left
-        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        let mut frames = Frames::create(session.world(), &folder, true).unwrap();
         write_frame(session, &mut frames, bare(0.0, 0, domain, &bodies));
         assert_eq!(read_frames::<D>(&folder).unwrap()[0].contacts, None);
         assert!(!folder.join("contacts.xdmf").exists());
@@ -286,7 +287,7 @@ fn fields_are_stored_slowest_axis_first_whoever_wrote_them(session: &Session) {
     fn proof<const D: usize>(session: &Session, domain: &Domain<D>) {
         let folder = folder(session);
         let grid = grid(session, domain, 8);
-        let mut frames = Frames::create(session.world(), &folder).unwrap();
+        let mut frames = Frames::create(session.world(), &folder, true).unwrap();
         write_frame(session, &mut frames, Frame { fields: Some(fields(&grid, 0.0)), ..bare(0.0, 0, domain, &[]) });
         let file = hdf5::File::open(folder.join("run.h5")).unwrap();
         let stored = file.dataset("frames/000000/fields/pressure").unwrap();
@@ -332,11 +333,11 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
         session.world().barrier();
         times
     };
-    let mut frames = Frames::create(session.world(), &folder).unwrap();
+    let mut frames = Frames::create(session.world(), &folder, true).unwrap();
     assert!(times().is_empty());
     [0.0, 0.1, 0.2, 0.3].into_iter().for_each(|time| write(&mut frames, time));
     on_first_rank(session, || fs::write(folder.join("frames/000004.h5.part"), b"half").unwrap());
-    let (mut frames, lost) = Frames::resume(session.world(), &folder, 0.1).unwrap();
+    let (mut frames, lost) = Frames::resume(session.world(), &folder, 0.1, true).unwrap();
     assert!(lost.is_empty(), "{lost:?}");
     assert_eq!(times(), [0.0, 0.1]);
     assert_eq!(fs::read_dir(folder.join("frames")).unwrap().count(), 2);
@@ -344,7 +345,7 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     write(&mut frames, 0.15);
     assert_eq!(times(), [0.0, 0.1, 0.15]);
     on_first_rank(session, || fs::write(folder.join("frames/000002.h5"), b"half").unwrap());
-    let (mut frames, lost) = Frames::resume(session.world(), &folder, 1.0).unwrap();
+    let (mut frames, lost) = Frames::resume(session.world(), &folder, 1.0, true).unwrap();
     assert_eq!(lost.iter().any(|lost| lost.contains("000002.h5 cannot be read")), session.world().rank() == 0, "{lost:?}");
     assert_eq!(times(), [0.0, 0.1]);
     // its number is not given again
@@ -353,15 +354,76 @@ fn a_resumed_run_forgets_later_frames_and_a_new_one_all(session: &Session) {
     assert!(folder.join("frames/000003.h5").exists() && folder.join("frames/000002.h5.damaged").exists());
     // a new run removes them, as soon as its first rank comes to it
     session.world().barrier();
-    Frames::create(session.world(), &folder).unwrap();
+    Frames::create(session.world(), &folder, true).unwrap();
     assert!(times().is_empty());
+}
+
+fn frames_are_joined_as_vtkhdf_once_they_end(session: &Session) {
+    let (folder, domain) = (folder(session), domain(BOXES_2D[0]));
+    let grid = grid(session, &domain, 8);
+    let write = |frames: &mut Frames, number: usize| {
+        let (time, bodies) = (0.1 * number as f64, bodies(&domain, number, 3 + number / 2));
+        write_frame(session, frames, Frame { fields: Some(fields(&grid, time)), ..bare(time, number, &domain, &bodies) });
+    };
+    let listed = || {
+        session.world().barrier();
+        let listed = joined(&folder);
+        session.world().barrier();
+        listed
+    };
+    let mut frames = Frames::create(session.world(), &folder, true).unwrap();
+    (0..4).for_each(|number| write(&mut frames, number));
+    assert_eq!(listed(), None);
+    frames.finish(session.world()).unwrap();
+    assert_eq!(listed(), Some(4));
+    let mut frames = Frames::resume(session.world(), &folder, 0.1, true).unwrap().0;
+    assert_eq!(listed(), Some(2));
+    write(&mut frames, 2);
+    assert_eq!(listed(), Some(2));
+    frames.settle_local().unwrap();
+    assert_eq!(listed(), Some(3));
+    write(&mut frames, 3);
+    frames.finish(session.world()).unwrap();
+    assert_eq!(listed(), Some(4));
+    Frames::resume(session.world(), &folder, 0.1, false).unwrap();
+    assert_eq!(listed(), None);
+}
+
+/// Frames that the files of VTKHDF list, whose arrays are those of the frames one behind the other; nothing without the files.
+fn joined(folder: &Path) -> Option<usize> {
+    let open = |name: &str| hdf5::File::open(folder.join(name)).unwrap();
+    if ["bodies.vtkhdf", "fields.vtkhdf"].iter().all(|name| !folder.join(name).exists()) {
+        return None;
+    }
+    let (bodies, fields, run) = (open("bodies.vtkhdf"), open("fields.vtkhdf"), open("run.h5"));
+    let numbers = |file: &hdf5::File, name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    let counts = |name: &str| bodies.dataset(&format!("VTKHDF/{name}")).unwrap().read_raw::<usize>().unwrap();
+    let times = numbers(&bodies, "VTKHDF/Steps/Values");
+    assert_eq!(times, numbers(&fields, "VTKHDF/Steps/Values"));
+    assert_eq!(times, numbers(&run, "times")[..times.len()]);
+    let mut frames = run.group("frames").unwrap().member_names().unwrap();
+    frames.sort();
+    frames.truncate(times.len());
+    let of_bodies = [("Points", "bodies/center"), ("PointData/rotation", "bodies/rotation"), ("PointData/contacts", "bodies/contacts")];
+    let of_fields = [("CellData/velocity", "fields/velocity"), ("CellData/vorticity", "fields/vorticity")];
+    for (file, name, source) in
+        of_bodies.map(|(name, source)| (&bodies, name, source)).into_iter().chain(of_fields.map(|(name, source)| (&fields, name, source)))
+    {
+        let expected: Vec<f64> = frames.iter().flat_map(|frame| numbers(&run, &format!("frames/{frame}/{source}"))).collect();
+        assert_eq!(numbers(file, &format!("VTKHDF/{name}")), expected, "{name}");
+    }
+    let (points, radii) =
+        (counts("NumberOfPoints"), |frame: &String| run.dataset(&format!("frames/{frame}/bodies/radius")).unwrap().size());
+    let listed: Vec<usize> = counts("Steps/PartOffsets").into_iter().map(|part| points[part]).collect();
+    assert_eq!(listed, frames.iter().map(radii).collect::<Vec<_>>());
+    Some(times.len())
 }
 
 /// Writes what `tests/long/independent_reader.rs` reads, step by step as it asks for, if it does.
 fn frames_for_an_independent_reader(session: &Session) {
     fn write<const D: usize>(session: &Session, folder: &Path, domain: &Domain<D>) {
         let grid = grid(session, domain, 8);
-        let mut frames = Frames::create(session.world(), folder).unwrap();
+        let mut frames = Frames::create(session.world(), folder, true).unwrap();
         for step in 0..3 {
             let (time, bodies) = (0.25 * step as f64, bodies(domain, step, 7));
             write_frame(session, &mut frames, Frame { fields: Some(fields(&grid, time)), ..bare(time, step, domain, &bodies) });

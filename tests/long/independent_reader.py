@@ -1,9 +1,10 @@
-"""Reads frames with h5py and with VTK's XDMF reader, and compares them with what the writer must have written.
+"""Reads frames with h5py and with VTK's readers of XDMF and VTKHDF, and compares them with what the writer must have written.
 
 usage: independent_reader.py FOLDER DIMENSION FRAMES
        independent_reader.py FOLDER run              a run of the program, under way or finished
 """
 
+import hashlib
 import json
 import pathlib
 import sys
@@ -12,6 +13,7 @@ import h5py
 import numpy
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkIOHDF import vtkHDFReader
 from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
 
 BODIES = 7
@@ -93,8 +95,8 @@ def check_hdf5(run, dimension, frames):
 
 
 def vtk_frames(path):
-    """Times and data sets that VTK finds in an XDMF file."""
-    reader = vtkXdmfReader()
+    """Times and data sets that VTK finds in a file of XDMF or VTKHDF."""
+    reader = vtkHDFReader() if path.suffix == ".vtkhdf" else vtkXdmfReader()
     reader.SetFileName(str(path))
     reader.UpdateInformation()
     times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
@@ -162,6 +164,8 @@ def check_run(folder):
             check_last(run["frames"][names[-1]], json.loads((folder / "summary.json").read_text()))
             frames = dict(zip(times, (run["frames"][name] for name in names)))
             check_network(folder, {time: frame["contacts"] for time, frame in frames.items()})
+            check_vtkhdf(folder, frames)
+            check_crate(folder)
             check_offsets(folder, frames)
             check_bonds(folder, frames)
             check_membranes(folder, frames)
@@ -240,6 +244,45 @@ def check_membranes(folder, frames):
         assert max(abs(numpy.array(found) / areas - 1)) < 1e-9, f"areas {areas} became {found} at {time}"
 
 
+def check_vtkhdf(folder, frames):
+    """VTK's own reader finds every array of bodies and of fields that h5py finds in the frames, at the same times."""
+    for kind, place in [("bodies", "center"), ("fields", None)]:
+        path, expected = folder / f"{kind}.vtkhdf", {time: frame[kind] for time, frame in frames.items() if kind in frame}
+        assert path.exists() == bool(expected), f"{path}: {len(expected)} frames with {kind}"
+        times = []
+        for time, data in vtk_frames(path) if expected else []:
+            times.append(time)
+            found, size = arrays(data.GetPointData() if place else data.GetCellData()), frames[time].attrs["size"]
+            assert set(found) == set(expected[time]) - {place}, f"{sorted(found)} of {kind} in VTKHDF"
+            if place:
+                same(vtk_to_numpy(data.GetPoints().GetData()), expected[time][place], "points in VTKHDF")
+                assert data.GetNumberOfVerts() == data.GetNumberOfPoints()
+            else:
+                same(data.GetBounds()[: 2 * len(size)], numpy.stack([0 * size, size], axis=1).ravel(), "bounds in VTKHDF")
+            for name, values in found.items():
+                same(values, numpy.asarray(expected[time][name]).reshape(values.shape), f"{name} of {kind} in VTKHDF")
+        same(times, sorted(expected), f"times of {path}")
+
+
+def check_crate(folder):
+    """The RO-Crate describes every file of the run by its size and checksum, and each thing that it refers to."""
+    graph = json.loads((folder / "ro-crate-metadata.json").read_text())["@graph"]
+    things = {thing["@id"]: thing for thing in graph}
+    root, run = things[things["ro-crate-metadata.json"]["about"]["@id"]], things["#run"]
+    assert things["ro-crate-metadata.json"]["conformsTo"] == {"@id": "https://w3id.org/ro/crate/1.1"}
+    assert len(things) == len(graph) and all(root[key] for key in ["name", "description", "datePublished", "license"])
+    parts = {part["@id"] for part in root["hasPart"]}
+    assert parts == {thing["@id"] for thing in graph if thing["@type"] == "File"}
+    inputs, results = (run[key] if isinstance(run[key], list) else [run[key]] for key in ["object", "result"])
+    assert parts == {entry["@id"] for entry in inputs + results} and {"@id": "scene.toml"} in inputs
+    assert run["startTime"] <= run["endTime"] and things[run["instrument"]["@id"]]["@type"] == "SoftwareApplication"
+    there = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert parts == there - {"ro-crate-metadata.json"}, f"{parts ^ there}"
+    for part in parts:
+        bytes = (folder / part).read_bytes()
+        assert things[part]["contentSize"] == str(len(bytes)) and things[part]["sha256"] == hashlib.sha256(bytes).hexdigest(), part
+
+
 def check_offsets(folder, frames):
     """Images slide at a steady rate, and VTK finds by how much."""
     sliding = {time: frame.attrs["offset"] for time, frame in frames.items() if "offset" in frame.attrs}
@@ -248,7 +291,7 @@ def check_offsets(folder, frames):
         apart = (offset - rate * time) / length
         assert 0 <= offset < length and abs(apart - round(apart)) < 1e-9, f"offset {offset} at {time}"
     assert not sliding or (len(sliding) == len(frames) and len(set(sliding.values())) > 2), f"offsets {sliding}"
-    for companion in ["bodies.xdmf", "fields.xdmf"] if sliding else []:
+    for companion in ["bodies.xdmf", "fields.xdmf", "bodies.vtkhdf", "fields.vtkhdf"] if sliding else []:
         for time, data in vtk_frames(folder / companion):
             same(arrays(data.GetFieldData())["offset"], [sliding[time]], f"offset in {companion}")
 

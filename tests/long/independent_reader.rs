@@ -70,12 +70,15 @@ fn vtk_reads_the_frame_of_an_instant() {
     let here = common::folder("independent-reader-instant");
     let (scene, out) = (common::write(&here, scenes::SPHERE), here.join("out"));
     common::run(1, &scene, &out, &[]);
-    let read = "import sys, vtk\nr = vtk.vtkXdmfReader()\nr.SetFileName(sys.argv[1])\nr.Update()\n\
-                d = r.GetOutputDataObject(0)\nwhile d.IsA('vtkMultiBlockDataSet'): d = d.GetBlock(0)\n\
-                assert d.GetNumberOfCells() == 4096, d\nassert d.GetCellData().GetArray('velocity').GetNumberOfComponents() == 3\n";
-    let python =
-        Command::new(common::root().join("target/python/bin/python")).args(["-c", read]).arg(out.join("fields.xdmf")).output().unwrap();
-    assert!(python.status.success(), "{}", String::from_utf8_lossy(&python.stderr));
+    for (reader, file) in [("vtkXdmfReader", "fields.xdmf"), ("vtkHDFReader", "fields.vtkhdf")] {
+        let read = "import sys, vtk\nr = getattr(vtk, sys.argv[1])()\nr.SetFileName(sys.argv[2])\nr.Update()\n\
+                    d = r.GetOutputDataObject(0)\nwhile d.IsA('vtkMultiBlockDataSet'): d = d.GetBlock(0)\n\
+                    assert d.GetNumberOfCells() == 4096, d\nassert d.GetCellData().GetArray('velocity').GetNumberOfComponents() == 3\n\
+                    assert d.GetBounds() == (0, 1, 0, 1, 0, 1), d\n";
+        let mut python = Command::new(common::root().join("target/python/bin/python"));
+        let python = python.args(["-c", read, reader]).arg(out.join(file)).output().unwrap();
+        assert!(python.status.success(), "{reader}: {}", String::from_utf8_lossy(&python.stderr));
+    }
 }
 
 fn reads_run(out: &Path) {

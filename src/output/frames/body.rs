@@ -17,6 +17,12 @@ pub(super) const COUNTS: [&str; 2] = ["id", "contacts"];
 /// Numbers of a row: that of the body, the entries of [`COLUMNS`], and the number of contacts.
 pub(super) const WIDTH: usize = 27;
 
+/// What readers find at the centres of bodies: names, numbers of each and whether these are real, not whole.
+pub(super) fn at_centers() -> impl Iterator<Item = (&'static str, usize, bool)> {
+    let columns = COLUMNS.into_iter().filter(|(name, _)| *name != "center").map(|(name, width)| (name, width, true));
+    columns.chain(COUNTS.map(|name| (name, 1, false)))
+}
+
 impl<const D: usize> FrameBody<D> {
     /// Adds the body's row.
     pub(super) fn add_row(&self, rows: &mut Vec<f64>) {

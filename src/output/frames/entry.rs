@@ -17,6 +17,18 @@ pub(super) struct Mesh {
     pub vorticity: bool,
 }
 
+impl Mesh {
+    /// Cells, origin and spacing along z, y, x. A plane is one layer of cells about z = 0, where the bodies lie: VTK turns a
+    /// `2DCoRectMesh` of XDMF into the plane of y and z.
+    pub fn in_space(&self) -> ([usize; 3], [f64; 3], [f64; 3]) {
+        match (&self.cells[..], &self.spacing[..]) {
+            (&[x, y], &[dx, dy]) => ([1, y, x], [-0.5 * dx, 0.0, 0.0], [dx, dy, dx]),
+            (&[x, y, z], &[dx, dy, dz]) => ([z, y, x], [0.0; 3], [dz, dy, dx]),
+            _ => unreachable!("a box has two or three dimensions"),
+        }
+    }
+}
+
 /// The contacts of a frame under a law of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ContactNetwork {

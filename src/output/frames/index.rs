@@ -1,44 +1,42 @@
-//! What is known of all frames: `run.h5` with links to them, and the companions for ParaView.
+//! What is known of all frames: `run.h5` with links to them, and the files for ParaView.
 
 use std::{
-    fs, io,
+    fs,
     path::{Path, PathBuf},
 };
 
 use super::{
-    entry::{Entry, FOLDER, path_in_run},
-    listing::{Format, Listing},
+    entry::{Entry, FOLDER},
+    listing::Listing,
+    run_file::{RUN, RunFile},
+    vtkhdf::{SERIES, Series},
     xdmf::{self, Companion},
 };
 use crate::{
     error::{Error, Result},
-    output::files::parallel_file::{cause, reserve},
+    output::files::file::remove_file,
 };
-
-const RUN: &str = "run.h5";
-
-/// Room that a new `run.h5` takes, and each frame in it, in bytes; both need less than half of it.
-const ROOM: u64 = 1 << 14;
-const ROOM_OF_ENTRY: u64 = 1 << 9;
-
-/// Most that the names of further frames make `run.h5` grow by at once, in bytes: a block of HDF5's heap.
-const LARGEST_BLOCK: u64 = 1 << 16;
-
-/// Times and steps that are stored together, as readers find them.
-const CHUNK: usize = 512;
 
 /// All that lists the frames of a run.
 pub(super) struct Index {
     run: Listing<RunFile>,
     companions: Vec<Listing<Companion>>,
+    /// Written as a whole at the beginning and the end; none where nobody wants them.
+    series: Vec<Listing<Series>>,
 }
 
 impl Index {
-    /// The index of a run's folder with these frames, in place of what is there; what a run that was killed left beside it goes.
-    pub fn begin(folder: &Path, entries: &[Entry]) -> Result<Index> {
+    /// The index of a run's folder with these frames, in place of what is there, with VTKHDF or without; what a run that was killed left beside it goes.
+    pub fn begin(folder: &Path, entries: &[Entry], vtkhdf: bool) -> Result<Index> {
         let companion = |companion: Companion| Listing::new(folder.join(companion.name), companion);
         let companions = xdmf::COMPANIONS.into_iter().map(companion).collect::<Result<_>>()?;
-        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions };
+        let series = |series: Series| Listing::new(folder.join(series.name), series);
+        let mut series = SERIES.into_iter().map(series).collect::<Result<Vec<_>>>()?;
+        if !vtkhdf {
+            SERIES.iter().try_for_each(|series| remove_file(&folder.join(series.name)))?;
+            series.clear();
+        }
+        let mut index = Index { run: Listing::new(folder.join(RUN), RunFile)?, companions, series };
         index.rewrite(entries)?;
         Ok(index)
     }
@@ -46,13 +44,15 @@ impl Index {
     /// Writes all of it anew.
     pub fn rewrite(&mut self, entries: &[Entry]) -> Result<()> {
         self.run.rewrite(entries)?;
-        self.companions.iter_mut().try_for_each(|companion| companion.rewrite(entries))
+        self.companions.iter_mut().try_for_each(|companion| companion.rewrite(entries))?;
+        self.series.iter_mut().try_for_each(|series| series.rewrite(entries))
     }
 
-    /// Leaves nothing beside the files.
-    pub fn settle(&mut self) -> Result<()> {
+    /// Lists all frames everywhere and leaves nothing beside the files.
+    pub fn settle(&mut self, entries: &[Entry]) -> Result<()> {
         self.run.settle()?;
-        self.companions.iter_mut().try_for_each(Listing::settle)
+        self.companions.iter_mut().try_for_each(Listing::settle)?;
+        self.series.iter_mut().try_for_each(|series| series.update(entries).and_then(|()| series.settle()))
     }
 
     /// Adds the frames that are new.
@@ -97,72 +97,14 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     list().map_err(|source| Error::File { path: folder.to_owned(), source })
 }
 
-/// `run.h5`: a link to each frame, and their times and steps.
-struct RunFile;
-
-impl Format for RunFile {
-    fn empty(&self) -> bool {
-        true
-    }
-
-    fn lists(&self, _: &Entry) -> bool {
-        true
-    }
-
-    fn create(&self, path: &Path, entries: &[&Entry]) -> io::Result<()> {
-        // a file that HDF5 cannot close on a full disk brings the program down at its end
-        reserve(&fs::File::create(path)?, 0, ROOM + ROOM_OF_ENTRY * entries.len() as u64)?;
-        create_run(path, entries).map_err(|error| cause(&error))
-    }
-
-    fn append(&self, path: &Path, entries: &[&Entry]) -> io::Result<()> {
-        let file = fs::File::options().write(true).open(path)?;
-        let length = file.metadata()?.len();
-        reserve(&file, length, ROOM + ROOM_OF_ENTRY * entries.len() as u64 + length.min(LARGEST_BLOCK))?;
-        append_to_run(path, entries).map_err(|error| cause(&error))
-    }
-}
-
-fn create_run(path: &Path, entries: &[&Entry]) -> hdf5::Result<()> {
-    // the newer file format has checksums in its metadata, and lists that grow without being copied
-    let file = hdf5::File::with_options().with_fapl(|access| access.libver_v110()).create(path)?;
-    file.create_group(FOLDER)?;
-    file.new_dataset::<f64>().chunk(CHUNK).shape(0..).create("times")?;
-    file.new_dataset::<u64>().chunk(CHUNK).shape(0..).create("steps")?;
-    list(&file, entries)?;
-    file.close()
-}
-
-fn append_to_run(path: &Path, entries: &[&Entry]) -> hdf5::Result<()> {
-    let file = hdf5::File::with_options().with_fapl(|access| access.libver_v110()).open_rw(path)?;
-    list(&file, entries)?;
-    file.close()
-}
-
-fn list(file: &hdf5::File, entries: &[&Entry]) -> hdf5::Result<()> {
-    let frames = file.group(FOLDER)?;
-    for entry in entries {
-        frames.link_external(&path_in_run(entry.number), "/", &format!("{:06}", entry.number))?;
-    }
-    add(&file.dataset("times")?, entries.iter().map(|entry| entry.time).collect())?;
-    add(&file.dataset("steps")?, entries.iter().map(|entry| entry.step as u64).collect())
-}
-
-/// Makes a list longer.
-fn add<T: hdf5::H5Type>(list: &hdf5::Dataset, values: Vec<T>) -> hdf5::Result<()> {
-    let (start, count) = (list.size(), values.len());
-    if count == 0 {
-        return Ok(());
-    }
-    list.resize(start + count)?;
-    list.write_slice(&values, start..start + count)
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::output::frames::entry::{ContactNetwork, Membranes, Mesh};
+    use crate::output::frames::{
+        entry::{ContactNetwork, Membranes, Mesh},
+        run_file::LARGEST_BLOCK,
+    };
 
     fn entries(count: usize) -> Vec<Entry> {
         let mesh = Mesh { cells: vec![8, 6], spacing: vec![0.25, 0.5], vorticity: true };
@@ -204,7 +146,7 @@ mod tests {
     fn frames_that_come_one_by_one_are_listed_as_those_that_come_at_once() {
         let (grown, whole) = (folder("grown"), folder("whole"));
         let all = entries(40);
-        let mut index = Index::begin(&grown, &[]).unwrap();
+        let mut index = Index::begin(&grown, &[], true).unwrap();
         for count in 1..=all.len() {
             // another hand changes what lies beside, and a reader has a list open
             if count == 7 {
@@ -220,8 +162,8 @@ mod tests {
                 [count, count - count.div_ceil(3), count - 1, count, count]
             );
         }
-        index.settle().unwrap();
-        Index::begin(&whole, &all).unwrap();
+        index.settle(&all).unwrap();
+        Index::begin(&whole, &all, true).unwrap();
         assert_eq!(texts(&grown), texts(&whole));
         assert_eq!((listed(&grown), steps(&grown)), (listed(&whole), steps(&whole)));
         [grown, whole].iter().for_each(|folder| fs::remove_dir_all(folder).unwrap());
@@ -241,7 +183,7 @@ mod tests {
         let most = LARGEST_BLOCK + (1 << 14);
         for before in [10, 1000, 20_000] {
             let all = entries(before + 6);
-            let mut index = Index::begin(&folder, &all[..before]).unwrap();
+            let mut index = Index::begin(&folder, &all[..before], true).unwrap();
             // the first one makes the version beside
             index.update(&all[..before + 1]).unwrap();
             for count in before + 2..=all.len() {

@@ -28,8 +28,10 @@ pub(super) trait Format {
     /// Writes a new file with these entries.
     fn create(&self, path: &Path, entries: &[&Entry]) -> io::Result<()>;
 
-    /// Adds entries to a file.
-    fn append(&self, path: &Path, entries: &[&Entry]) -> io::Result<()>;
+    /// Adds entries to a file; one of a format that cannot is written anew.
+    fn append(&self, _path: &Path, _entries: &[&Entry]) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
 }
 
 /// A list of frames in a format. What it leaves beside the file goes when it is dropped.

@@ -1,7 +1,7 @@
 //! Frames: one HDF5 file an output time, `frames/000012.h5`, and companions that show them as one run.
 //!
 //! `run.h5` links to all frames; `bodies.xdmf`, `fields.xdmf`, `contacts.xdmf`, `bonds.xdmf` and `membranes.xdmf` show them to ParaView, each once it has
-//! something to show.
+//! something to show; `bodies.vtkhdf` and `fields.vtkhdf` do so for its own reader of HDF5, once the frames have ended.
 //! Where the images of the box slide, a frame holds by how much: `offset` along x, which `offset_rate` makes grow (what is at `(x, y)` is
 //! also at `(x + offset, y + size_y)` and moves there faster by `offset_rate`). Every file is written aside and renamed, so that a reader never
 //! meets half of one and the end of the program at any moment loses at most the frame under way. The companions grow: a frame adds its own entry.
@@ -16,8 +16,10 @@ mod listing;
 mod membrane;
 mod read;
 mod recovery;
+mod run_file;
 mod store;
 mod surroundings;
+mod vtkhdf;
 mod xdmf;
 
 use std::path::{Path, PathBuf};
@@ -48,22 +50,22 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// No frames yet; those of an older run in the folder are removed.
+    /// No frames yet; those of an older run in the folder are removed. With `vtkhdf` they are shown in VTKHDF too once they have ended.
     ///
     /// # Errors
     /// [`Error::File`](crate::error::Error::File), here and below, when a file cannot be written or removed.
-    pub fn create(world: &World, folder: &Path) -> Result<Frames> {
-        Ok(Frames::keep(world, folder, f64::NEG_INFINITY)?.0)
+    pub fn create(world: &World, folder: &Path, vtkhdf: bool) -> Result<Frames> {
+        Ok(Frames::keep(world, folder, f64::NEG_INFINITY, vtkhdf)?.0)
     }
 
     /// The frames of a run that goes on from `time`, of which later ones are removed, and what is missing of them (on the first rank).
     /// A frame that cannot be read is set aside.
-    pub fn resume(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
-        Frames::keep(world, folder, time)
+    pub fn resume(world: &World, folder: &Path, time: f64, vtkhdf: bool) -> Result<(Frames, Vec<String>)> {
+        Frames::keep(world, folder, time, vtkhdf)
     }
 
-    fn keep(world: &World, folder: &Path, time: f64) -> Result<(Frames, Vec<String>)> {
-        let KeptFrames { entries, index, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time))?;
+    fn keep(world: &World, folder: &Path, time: f64, vtkhdf: bool) -> Result<(Frames, Vec<String>)> {
+        let KeptFrames { entries, index, next, notes } = world.on_first_rank(|| recovery::keep_until(folder, time, vtkhdf))?;
         let next = world.gather(&[next as u64])[0] as usize;
         Ok((Frames { folder: folder.to_owned(), next, entries, index }, notes))
     }
@@ -82,7 +84,12 @@ impl Frames {
         })
     }
 
-    /// Lists no more frames that have gone since they were written, and says which (on the first rank).
+    /// Lists the frames so far everywhere, on a rank by itself: no further frame comes.
+    pub fn settle_local(&mut self) -> Result<()> {
+        self.index.as_mut().map_or(Ok(()), |index| index.settle(&self.entries))
+    }
+
+    /// Ends the lists, but for frames that have gone since they were written, and says which these are (on the first rank).
     pub fn finish(&mut self, world: &World) -> Result<Option<String>> {
         let Some(index) = &mut self.index else { return world.agree(Ok(None)) };
         world.agree(recovery::forget_lost(&self.folder, &mut self.entries, index))

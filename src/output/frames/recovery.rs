@@ -39,8 +39,8 @@ enum Found {
     Damaged(String),
 }
 
-/// Removes the frames after `time`, last first, and lists the others anew.
-pub(super) fn keep_until(folder: &Path, time: f64) -> Result<KeptFrames> {
+/// Removes the frames after `time`, last first, and lists the others anew, in VTKHDF too if it is wanted.
+pub(super) fn keep_until(folder: &Path, time: f64, vtkhdf: bool) -> Result<KeptFrames> {
     let frames = folder.join(FOLDER);
     fs::create_dir_all(&frames).map_err(|source| Error::File { path: frames, source })?;
     index::remove_halves(folder)?;
@@ -62,7 +62,7 @@ pub(super) fn keep_until(folder: &Path, time: f64) -> Result<KeptFrames> {
     let expected = listed.iter().filter(|(_, listed)| *listed <= time).map(|(number, _)| *number);
     kept.next = expected.chain(there.iter().copied()).max().map_or(0, |last| last + 1);
     kept.notes.extend(missing(folder, (0..kept.next).filter(|number| !there.contains(number))));
-    kept.index = Some(Index::begin(folder, &kept.entries)?);
+    kept.index = Some(Index::begin(folder, &kept.entries, vtkhdf)?);
     Ok(kept)
 }
 
@@ -74,7 +74,7 @@ pub(super) fn forget_lost(folder: &Path, entries: &mut Vec<Entry>, index: &mut I
         entries.retain(|entry| !lost.contains(&entry.number));
         index.rewrite(entries)?;
     }
-    index.settle()?;
+    index.settle(entries)?;
     Ok(missing(folder, lost.into_iter()))
 }
 

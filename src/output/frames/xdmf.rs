@@ -7,9 +7,8 @@ use std::{
 };
 
 use super::{
-    body::{COLUMNS, COUNTS},
-    bond, contact,
-    entry::{Entry, Mesh, path_in_run},
+    body, bond, contact,
+    entry::{Entry, path_in_run},
     listing::Format,
     membrane,
     store::field_columns,
@@ -75,8 +74,7 @@ impl Format for Companion {
 }
 
 fn cloud(entry: &Entry) -> String {
-    let columns = COLUMNS.iter().filter(|(name, _)| *name != "center").copied().chain(COUNTS.map(|name| (name, 1)));
-    points(entry, "bodies", entry.bodies, "center", columns.map(|(name, width)| (name, width, !COUNTS.contains(&name))))
+    points(entry, "bodies", entry.bodies, "center", body::at_centers())
 }
 
 fn network(entry: &Entry) -> String {
@@ -122,7 +120,7 @@ fn surfaces(entry: &Entry) -> String {
 
 fn lattice(entry: &Entry) -> String {
     let Some(mesh) = &entry.mesh else { return String::new() };
-    let (cells, origin, spacing) = in_space(mesh);
+    let (cells, origin, spacing) = mesh.in_space();
     let topology = format!("<Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\"/>\n", words(cells.map(|cells| cells + 1)));
     let numbers = |numbers: [f64; 3]| {
         format!("<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{}</DataItem>", words(numbers))
@@ -134,16 +132,6 @@ fn lattice(entry: &Entry) -> String {
     });
     let attributes: String = attributes.collect();
     grid(entry, &format!("{topology}{geometry}{attributes}"))
-}
-
-/// Cells, origin and spacing along z, y, x. A plane is one layer of cells about z = 0, where the bodies lie: VTK turns a
-/// `2DCoRectMesh` into the plane of y and z.
-fn in_space(mesh: &Mesh) -> ([usize; 3], [f64; 3], [f64; 3]) {
-    match (&mesh.cells[..], &mesh.spacing[..]) {
-        (&[x, y], &[dx, dy]) => ([1, y, x], [-0.5 * dx, 0.0, 0.0], [dx, dy, dx]),
-        (&[x, y, z], &[dx, dy, dz]) => ([z, y, x], [0.0; 3], [dz, dy, dx]),
-        _ => unreachable!("a box has two or three dimensions"),
-    }
 }
 
 fn grid(entry: &Entry, contents: &str) -> String {

@@ -12,7 +12,7 @@ use super::context::{Context, Wanted, boxed};
 use super::fields::FlowFields;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
-    error::Result,
+    error::{Error, Result},
     grid::Grid,
     linalg::ROUNDING,
     mechanics::State,
@@ -25,7 +25,8 @@ use crate::{
 };
 
 /// Files that show the frames.
-pub const INDICES: [&str; 6] = ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf"];
+pub const INDICES: [&str; 8] =
+    ["run.h5", "bodies.xdmf", "contacts.xdmf", "bonds.xdmf", "membranes.xdmf", "fields.xdmf", "bodies.vtkhdf", "fields.vtkhdf"];
 
 /// The frames of a run.
 pub struct FrameFiles<const D: usize> {
@@ -55,9 +56,9 @@ impl<const D: usize> FrameFiles<D> {
     /// Frames of the run so far cannot be read or removed.
     fn open(world: &World, scene: &Scene, folder: &Path, simulation: &Simulation<D>) -> Result<FrameFiles<D>> {
         let frames = match simulation.state().steps {
-            0 => Frames::create(world, folder)?,
+            0 => Frames::create(world, folder, scene.output.vtkhdf)?,
             _ => {
-                let (frames, lost) = Frames::resume(world, folder, simulation.state().time.next_down())?;
+                let (frames, lost) = Frames::resume(world, folder, simulation.state().time.next_down(), scene.output.vtkhdf)?;
                 lost.iter().for_each(|lost| note(&format!("turbid: {lost}")));
                 frames
             }
@@ -117,6 +118,11 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
         let contacts = contacts.as_deref();
         let (time, step, domain, bonds, membranes) = (state.time, state.steps, motion.domain(), bonds.as_deref(), membranes.as_ref());
         self.frames.write(view.world, &Frame { time, step, domain, bodies: &bodies, contacts, bonds, membranes, fields })
+    }
+
+    fn interrupted(&mut self, _: &Error) {
+        // what went wrong before is what matters
+        let _ = self.frames.settle_local();
     }
 
     fn finish(&mut self, view: &View<D>, _: &mut Summary) -> Result<Vec<String>> {

@@ -44,7 +44,7 @@ impl<const D: usize> Output<D> for InstantFrame {
             membranes: None,
             fields: Some(fields),
         };
-        let mut frames = Frames::create(view.world, &self.folder)?;
+        let mut frames = Frames::create(view.world, &self.folder, view.scene.output.vtkhdf)?;
         frames.write(view.world, &frame)?;
         frames.finish(view.world)?;
         Ok(INDICES.into_iter().filter(|name| self.folder.join(name).exists()).map(str::to_owned).collect())

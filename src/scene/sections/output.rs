@@ -12,7 +12,7 @@ const FEWEST_POINTS: u64 = 2;
 const MOST_POINTS: usize = 1000;
 
 /// Keys of `[output]`.
-pub(in crate::scene) const KEYS: [Key; 18] = [
+pub(in crate::scene) const KEYS: [Key; 19] = [
     Key::new("picture", "true or false", "false", "Whether a picture of the end is drawn.").default("true"),
     Key::new("report", "true or false", "false", "Whether a page of the run, report.html, is written and renewed while it runs.")
         .default("true"),
@@ -44,6 +44,13 @@ pub(in crate::scene) const KEYS: [Key; 18] = [
     )
     .default("true in time, false at an instant"),
     Key::new("vorticity", "true or false", "true", "Whether frames that hold the flow hold its vorticity too.").default("false"),
+    Key::new(
+        "vtkhdf",
+        "true or false",
+        "false",
+        "Whether frames are also shown as VTKHDF, in bodies.vtkhdf and fields.vtkhdf for ParaView's own reader, once the run has ended.",
+    )
+    .default("true"),
     Key::new(
         "objects",
         "true or false",
@@ -142,6 +149,8 @@ pub struct OutputSection {
     pub fields: Option<bool>,
     /// Whether frames that hold the flow hold its vorticity too, also where nothing is coloured by it.
     pub vorticity: bool,
+    /// Whether frames are shown as VTKHDF too.
+    pub vtkhdf: bool,
     /// Whether chains, cells and clusters have tables; absent means where there are any.
     pub objects: Option<bool>,
     /// Seconds of wall time between checkpoints, not negative; 0 means one after every step.
@@ -190,6 +199,7 @@ impl Default for OutputSection {
             every: None,
             fields: None,
             vorticity: false,
+            vtkhdf: true,
             objects: None,
             checkpoint: 600.0,
             probe: None,
@@ -226,6 +236,7 @@ impl OutputSection {
             every: table.get("every").map(|entry| entry.positive()).transpose()?,
             fields: table.get("fields").map(|entry| read_fields(&entry, model)).transpose()?,
             vorticity: table.get("vorticity").map_or(Ok(default.vorticity), |entry| read_vorticity(&entry, model))?,
+            vtkhdf: table.get("vtkhdf").map_or(Ok(default.vtkhdf), |entry| entry.flag())?,
             objects: table.get("objects").map(|entry| entry.flag()).transpose()?,
             checkpoint: table.get("checkpoint").map_or(Ok(default.checkpoint), |entry| entry.not_negative())?,
             probe: table.get("probe").map(|entry| read_probe(&entry, model)).transpose()?,
@@ -251,7 +262,7 @@ fn refuse_frames(table: &Table, model: FlowModel) -> Result<()> {
     if let Some(entry) = ["displacements", "velocity_autocorrelation", "objects"].into_iter().find_map(|name| table.get(name)) {
         return Err(entry.refuse("an instantaneous solve moves no body; add [time] or remove it"));
     }
-    match table.get("fields").filter(|_| model == FlowModel::Scalar) {
+    match ["fields", "vtkhdf"].into_iter().find_map(|name| table.get(name)).filter(|_| model == FlowModel::Scalar) {
         Some(entry) => Err(entry.refuse("a scalar around inclusions has no frame; remove it, and read picture and probe instead")),
         None => Ok(()),
     }

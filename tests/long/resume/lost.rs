@@ -42,6 +42,8 @@ fn index_is_complete(out: &Path) {
     for name in &listed {
         assert!(run.dataset(&format!("frames/{name}/bodies/center")).is_ok(), "{name} is not where the index has it");
     }
+    let joined = hdf5::File::open(out.join("bodies.vtkhdf")).unwrap();
+    assert_eq!(joined.dataset("VTKHDF/Steps/Values").unwrap().read_raw::<f64>().unwrap(), times);
     let shown = fs::read_to_string(out.join("bodies.xdmf")).unwrap();
     assert!(listed.iter().all(|name| shown.matches(&format!("frames/{name}.h5:/bodies/center")).count() == 1), "{shown}");
 }
