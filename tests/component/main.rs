@@ -59,6 +59,7 @@ mod of_ones_own;
 mod outputs;
 mod ownership;
 mod packing;
+mod pressed;
 mod protocols;
 mod scalar;
 mod sheared;
@@ -146,6 +147,7 @@ fn main() {
         outputs::tests(),
         ownership::tests(),
         packing::tests(),
+        pressed::tests(),
         conformance::tests(),
         scalar::tests(),
         inclusions::tests(),
