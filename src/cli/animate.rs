@@ -99,7 +99,8 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments, fo
             Colour::Species => species_of(&stored.bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
             Colour::Speed | Colour::NonAffine | Colour::Vorticity => Vec::new(),
         };
-        Ok(plane.frame((stored.time, stored.offset.unwrap_or(0.0)), stored.bodies, &groups, flow))
+        let wall = plane.wall(scene, stored.size.as_slice());
+        Ok(AnimationFrame { wall, ..plane.frame((stored.time, stored.offset.unwrap_or(0.0)), stored.bodies, &groups, flow) })
     };
     let mut film = plane.film(scene);
     for file in &files {

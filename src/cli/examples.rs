@@ -49,6 +49,7 @@ const SCENES: &[(&str, &str)] = &files![
     "gluey.toml",
     "inertial.toml",
     "oscillation.toml",
+    "pressed.toml",
     "random.toml",
     "reversal.toml",
     "rods.toml",

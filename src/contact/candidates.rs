@@ -37,6 +37,9 @@ impl<const D: usize> Contact<D> {
     /// The contact of two balls of which the second one's image is known.
     fn of_image(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], image: [i32; D]) -> Self {
         let (ball, other) = (&balls[body], &balls[partner]);
+        if other.radius.is_infinite() {
+            return Self::of_plane(domain, balls, [body, partner]);
+        }
         let separation = other.center + domain.offset(image.map(|image| image as isize)) - ball.center;
         let sliding = domain.sliding() * f64::from(image[1]);
         let distance = separation.norm();
@@ -53,6 +56,13 @@ impl<const D: usize> Contact<D> {
         let normal = SVector::from_fn(|other, _| if other == axis { sign } else { 0.0 });
         let (partner, sliding) = (Partner::Wall { axis, upper }, SVector::zeros());
         Self { body, partner, image: [0; D], sliding, normal, separation, gap: separation - ball.radius }
+    }
+
+    /// The contact of a ball and of the upper wall across an axis where that is a body, a ball of infinite radius with its centre on the axis.
+    pub(super) fn of_plane(domain: &Domain<D>, balls: &[Ball<D>], [body, plane]: [usize; 2]) -> Self {
+        let axis = balls[plane].center.imax();
+        let wall = Self::of_wall(domain, balls, body, axis, true);
+        Self { partner: Partner::Body(plane), sliding: domain.wall_velocity(axis, true), ..wall }
     }
 
     /// The contact of this identity, with bodies where they are now.

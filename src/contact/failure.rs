@@ -92,7 +92,8 @@ fn visits<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<
 /// The error of an island that was not solved.
 pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], outcome: &Outcome) -> Error {
     let both = contacts.iter().flat_map(|contact| [Some(contact.body), contact.other()]);
-    let mut bodies: Vec<usize> = both.flatten().collect();
+    let is_ball = |body: &usize| problem.wall.is_none_or(|wall| *body != wall.place);
+    let mut bodies: Vec<usize> = both.flatten().filter(is_ball).collect();
     bodies.sort_unstable();
     bodies.dedup();
     let given: Vec<usize> = bodies.iter().copied().filter(|&body| !problem.gives_way(body)).collect();
@@ -161,6 +162,8 @@ fn island<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Co
         // an infinite weight becomes null
         json!({ "index": problem.number(body), "radius": ball.radius, "center": ball.center.as_slice(), "wanted": velocity, "weight": weights[body] })
     };
+    let touches =
+        |contact: &Contact<D>| touch(&problem.wall.map_or(*contact, |wall| wall.of_box(*contact)).renamed(|body| problem.number(body)));
     let periodic: Vec<bool> = (0..D).map(|axis| domain.periodic(axis)).collect();
     json!({
         "size": domain.size.as_slice(),
@@ -168,7 +171,7 @@ fn island<const D: usize>(problem: &Problem<D>, bodies: &[usize], contacts: &[Co
         "shift": domain.slide().map(|slide| slide.shift()),
         "step": step,
         "bodies": bodies.iter().map(body).collect::<Vec<_>>(),
-        "contacts": contacts.iter().map(|contact| touch(&contact.renamed(|body| problem.number(body)))).collect::<Vec<_>>(),
+        "contacts": contacts.iter().map(touches).collect::<Vec<_>>(),
     })
     .to_string()
 }

@@ -126,6 +126,7 @@ mod tests {
             step,
             lower_bounds: &[],
             cluster_of: &[],
+            wall: None,
         })
     }
 

@@ -5,6 +5,7 @@ use nalgebra::SVector;
 
 use super::{
     Contact, Problem, Solver, View,
+    loaded_wall::carrier,
     solver::{
         Outcome,
         lower_bounds::solve_above,
@@ -116,16 +117,21 @@ fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], bodies
     let (mut starts, mut rows, mut values, mut offsets) = (vec![0], Vec::new(), Vec::new(), Vec::new());
     for contact in contacts {
         let root = problem.mobility(contact).sqrt();
-        let mut push = |body: usize, direction: SVector<f64, D>| {
-            if let Ok(place) = bodies.binary_search(&body) {
+        let mut push = |(body, direction): (usize, SVector<f64, D>)| {
+            let direction = problem.wall.map_or(direction, |wall| wall.along(body, direction));
+            if let Ok(place) = bodies.binary_search(&carrier(problem.wall, body)) {
                 rows.extend(place * D..(place + 1) * D);
                 values.extend(direction.iter().map(|component| component / (problem.weights[body].sqrt() * root)));
             }
         };
-        // the body has the smaller index, so that rows are sorted
-        push(contact.body, -contact.normal);
-        if let Some(other) = contact.other() {
-            push(other, contact.normal);
+        let (own, other) = ((contact.body, -contact.normal), contact.other().map(|other| (other, contact.normal)));
+        // the body has the smaller index, unless a wall carries it, so that rows are sorted
+        if carrier(problem.wall, own.0) == own.0 {
+            push(own);
+            other.into_iter().for_each(push);
+        } else {
+            other.into_iter().for_each(&mut push);
+            push(own);
         }
         starts.push(rows.len());
         offsets.push(problem.gap_after(contact, problem.velocities) / (root * unit.scale));
@@ -136,7 +142,7 @@ fn program<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], bodies
 /// Bodies of contacts that give way, in order.
 fn free_bodies<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>]) -> Vec<usize> {
     let both = contacts.iter().flat_map(|contact| [Some(contact.body), contact.other()]);
-    let mut bodies: Vec<usize> = both.flatten().filter(|&body| problem.gives_way(body)).collect();
+    let mut bodies: Vec<usize> = both.flatten().filter(|&body| problem.gives_way(body)).map(|body| carrier(problem.wall, body)).collect();
     bodies.sort_unstable();
     bodies.dedup();
     bodies

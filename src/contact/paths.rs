@@ -53,7 +53,9 @@ pub(super) fn swept_balls<const D: usize>(problem: &Problem<D>, motions: &Motion
     let around = |(ball, velocity): (&Ball<D>, &SVector<f64, D>)| {
         let own = (velocity - domain.carried(&ball.center)) * step;
         let swept = (own - motions.common).norm() / 2.0;
-        let radius = ball.radius * (1.0 + margin / 2.0) * (1.0 + strain / 2.0) + swept * (1.0 + strain);
+        // a wall is no ball
+        let own_radius = if ball.radius.is_finite() { ball.radius } else { 0.0 };
+        let radius = own_radius * (1.0 + margin / 2.0) * (1.0 + strain / 2.0) + swept * (1.0 + strain);
         Ball { center: ball.center + velocity * step / 2.0, radius }
     };
     balls.iter().zip(motions.velocities).map(around).collect()
@@ -68,6 +70,9 @@ fn body_paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin
     for pair in near_pairs(&halfway, &swept, 0.0) {
         let (first, second) = (pair.first, pair.second);
         if first == second || !(problem.gives_way(first) || problem.gives_way(second)) || !(own(first) || own(second)) {
+            continue;
+        }
+        if problem.wall.is_some_and(|wall| wall.apart([first, second])) {
             continue;
         }
         let image = halfway.image(pair.separation - (swept[second].center - swept[first].center));
@@ -86,12 +91,21 @@ fn body_paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin
 }
 
 fn wall_paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64) -> impl Iterator<Item = Path<D>> {
-    let Problem { domain, balls, weights, step, .. } = *problem;
-    let reach = move |body: usize| margin * balls[body].radius + motions.velocities[body].norm() * step;
-    let longest = (0..balls.len()).map(reach).fold(0.0, f64::max);
-    let near = near_walls(domain, balls, longest).into_iter();
-    near.filter(move |pair| weights[pair.body].is_finite() && pair.gap <= reach(pair.body)).map(move |pair| {
-        let contact = Contact::of_wall(domain, balls, pair.body, pair.axis, pair.upper);
+    let Problem { domain, balls, weights, step, wall, .. } = *problem;
+    let approach = wall.map_or(0.0, |wall| motions.velocities[wall.place].norm() * step);
+    let reach = move |body: usize| margin * balls[body].radius + motions.velocities[body].norm() * step + approach;
+    let balls_alone = &balls[..wall.map_or(balls.len(), |wall| wall.place)];
+    let longest = (0..balls_alone.len()).map(reach).fold(0.0, f64::max);
+    let loaded = move |axis: usize, upper: bool| wall.filter(|wall| upper && axis == wall.axis);
+    let near = near_walls(domain, balls_alone, longest).into_iter().filter(move |pair| match loaded(pair.axis, pair.upper) {
+        Some(wall) => !wall.carries(pair.body),
+        None => weights[pair.body].is_finite(),
+    });
+    near.filter(move |pair| pair.gap <= reach(pair.body)).map(move |pair| {
+        let contact = match loaded(pair.axis, pair.upper) {
+            Some(wall) => Contact::of_plane(domain, balls, [pair.body, wall.place]),
+            None => Contact::of_wall(domain, balls, pair.body, pair.axis, pair.upper),
+        };
         let last_gap = contact.gap + step * contact.opening(motions.velocities);
         Path { contact, smallest_gap: contact.gap.min(last_gap), last_gap }
     })

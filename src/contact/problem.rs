@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-use super::{Contact, ContactForce, force::pushes};
+use super::{Contact, ContactForce, LoadedWall, force::pushes};
 use crate::geometry::{Ball, Domain};
 
 /// Bodies that want to move for one step.
@@ -27,6 +27,8 @@ pub struct Problem<'a, const D: usize> {
     pub lower_bounds: &'a [ContactForce<D>],
     /// For each body of the run the number of the rigid cluster that it is in, from 1 on, or 0; empty without clusters. Balls of a cluster have no contacts.
     pub cluster_of: &'a [usize],
+    /// The wall that a load presses on the bodies, the last of them, if there is one; the problem is then that of all bodies, by their places.
+    pub wall: Option<LoadedWall<'a>>,
 }
 
 impl<const D: usize> Problem<'_, D> {
@@ -57,7 +59,8 @@ impl<const D: usize> Problem<'_, D> {
 
     /// How easily a contact opens: the sum of the inverse weights of its bodies.
     pub(super) fn mobility(&self, contact: &Contact<D>) -> f64 {
-        1.0 / self.weights[contact.body] + contact.other().map_or(0.0, |other| 1.0 / self.weights[other])
+        let of_body = |body: usize| self.wall.map_or(1.0, |wall| wall.share(body, &contact.normal)) / self.weights[body];
+        of_body(contact.body) + contact.other().map_or(0.0, of_body)
     }
 
     /// The least force that a contact may bear.
@@ -69,7 +72,10 @@ impl<const D: usize> Problem<'_, D> {
     /// The wanted velocities, corrected by what contact forces do to them.
     pub(super) fn corrected_velocities(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
         let forces = contacts.iter().zip(forces).map(|(&contact, &force)| ContactForce::normal(contact, force));
-        let pushes = pushes(self.balls.len(), forces);
+        let mut pushes = pushes(self.balls.len(), forces);
+        if let Some(wall) = self.wall {
+            wall.carry(&mut pushes, |push| push);
+        }
         (0..pushes.len()).map(|body| self.velocities[body] + pushes[body] / self.weights[body]).collect()
     }
 }

@@ -37,6 +37,8 @@ pub struct View<const D: usize> {
     /// Velocities that they have so far.
     pub(super) velocities: Vec<SVector<f64, D>>,
     pub(super) lower_bounds: Vec<ContactForce<D>>,
+    /// A loaded wall and the bodies that are fixed to it.
+    carried: Vec<usize>,
 }
 
 impl<const D: usize> View<D> {
@@ -56,6 +58,7 @@ impl<const D: usize> View<D> {
             wanted: halo.spread_vectors(peers, problem.velocities),
             velocities: halo.spread_vectors(peers, motions.velocities),
             lower_bounds: Vec::new(),
+            carried: problem.wall.map_or(Vec::new(), |wall| [wall.fixed, &[wall.place]].concat()),
             halo,
         };
         let bounds = problem.lower_bounds.iter().map(|bound| ContactForce { contact: view.placed(&bound.contact), ..*bound });
@@ -110,6 +113,7 @@ impl<const D: usize> View<D> {
     /// Bodies that hang together by contacts of which both give way, as far as this rank sees.
     pub(super) fn sets<'a>(&self, contacts: impl IntoIterator<Item = &'a Contact<D>>) -> UnionFind {
         let mut sets = UnionFind::new(self.halo.len());
+        self.carried.windows(2).for_each(|pair| sets.join(pair[0], pair[1]));
         for contact in contacts {
             if let Some(other) = contact.other().filter(|&other| self.gives_way(contact.body) && self.gives_way(other)) {
                 sets.join(contact.body, other);

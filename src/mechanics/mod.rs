@@ -32,7 +32,7 @@ pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, Solved
 pub use setup::{Inertia, Setup, SuspendedBody};
 pub use shear_stress::{load_stress, shear_stress};
 pub use solution::{BodyState, Lubrication, Solution, WallForces};
-pub use state::{ContactHistory, FoundShear, GivenPlace, Moving, Share, State};
+pub use state::{ContactHistory, FoundShear, GivenPlace, Moving, Share, State, WallMotion};
 pub use suspension::Suspension;
 pub use system::{Conditions, ExtrapolationHistory, Level, Snapshot, check_steady_state};
 pub use unsteady::UnsteadySuspension;

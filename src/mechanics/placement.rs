@@ -371,7 +371,7 @@ fn trajectory<const D: usize>(motion: &scene::Motion) -> Result<Option<Trajector
         scene::Motion::Oscillating { amplitude, rotation, frequency, phase } => Some(oscillation(amplitude, rotation, *frequency, *phase)),
         scene::Motion::Path(places) => Some(along(places)),
         scene::Motion::PathFile(path) => Some(along(&read_places::<D>(path)?)),
-        scene::Motion::Free | scene::Motion::Fixed | scene::Motion::Prescribed { .. } => None,
+        scene::Motion::Free | scene::Motion::Fixed | scene::Motion::Wall | scene::Motion::Prescribed { .. } => None,
     })
 }
 
@@ -384,11 +384,18 @@ fn along<const D: usize>(places: &[Vec<f64>]) -> Trajectory<D> {
     Trajectory::Path(Path::new(&places))
 }
 
+/// The velocity along itself of the upper wall across the one axis that has walls.
+fn velocity_of_upper_wall<const D: usize>(scene: &Scene) -> SVector<f64, D> {
+    let upper = |axis: &AxisSection| if let AxisSection::Walls { upper, .. } = axis { Some(vector(upper)) } else { None };
+    scene.domain.axes.iter().find_map(upper).unwrap_or_else(SVector::zeros)
+}
+
 fn motion<const D: usize>(scene: &Scene, group: usize, ball: &Ball<D>) -> Motion<D> {
     let bodies = &scene.bodies[group];
     match &bodies.motion {
         // a path begins at rest
         scene::Motion::Fixed | scene::Motion::Path(_) | scene::Motion::PathFile(_) => Motion::Prescribed(Twist::zero()),
+        scene::Motion::Wall => Motion::Prescribed(Twist { velocity: velocity_of_upper_wall(scene), ..Twist::zero() }),
         scene::Motion::Oscillating { amplitude, rotation, frequency, phase } => {
             Motion::Prescribed(oscillation(amplitude, rotation, *frequency, *phase).twist(0.0))
         }

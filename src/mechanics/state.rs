@@ -83,6 +83,19 @@ pub struct FoundShear {
     pub rate: f64,
 }
 
+/// Where a wall is that a load presses on the bodies, the upper one across an axis, and how it moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WallMotion<const D: usize> {
+    /// The axis.
+    pub axis: usize,
+    /// Its coordinate along the axis.
+    pub position: f64,
+    /// Its velocity along the axis over the last step.
+    pub velocity: f64,
+    /// The force of contacts on it, and on what is fixed to it, in that step.
+    pub force: SVector<f64, D>,
+}
+
 /// The bodies at a time, or those of them that a rank owns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
@@ -94,6 +107,8 @@ pub struct State<const D: usize> {
     pub last_step: f64,
     /// How a shear whose rate is found on the way has gone so far, if there is one.
     pub shear: FoundShear,
+    /// The wall that a load presses on the bodies, if there is one.
+    pub wall: Option<WallMotion<D>>,
     /// Which bodies these are.
     pub share: Share,
     /// The bodies.
@@ -171,6 +186,7 @@ impl<const D: usize> State<D> {
             steps: 0,
             last_step: 0.0,
             shear: FoundShear::default(),
+            wall: None,
             share: Share::Whole,
             bodies,
             contact_history: Vec::new(),

@@ -91,6 +91,7 @@ impl<const D: usize> GivenStep<'_, D> {
             step: self.step,
             lower_bounds: &[],
             cluster_of: self.cluster_of,
+            wall: None,
         })
     }
 

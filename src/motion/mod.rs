@@ -24,7 +24,7 @@ mod stepper;
 mod stop_request;
 mod travel;
 
-pub use granular::{Granular, GranularBody, GranularSetup};
+pub use granular::{Granular, GranularBody, GranularSetup, WallLoad};
 pub use implicit_springs::StepAhead;
 pub use longest_step::{longest_granular_step, longest_step_in_flow};
 pub use quasi_static::QuasiStatic;

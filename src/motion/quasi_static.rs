@@ -298,6 +298,7 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
             adhesive_contacts,
             kkt_report,
             shear: shear.found,
+            wall: None,
             effort,
         })
     }

@@ -344,6 +344,7 @@ impl<const D: usize> Simulation<D> {
         self.state.contact_history = travel.contacts.iter().filter(|active| active.force != 0.0).map(ContactHistory::of).collect();
         self.state.adhesive_contacts = travel.adhesive_contacts;
         self.state.shear = travel.shear;
+        self.state.wall = travel.wall;
         self.state.carried = match self.suspension() {
             Some(flow) if flow.evolution().is_none() => velocities(&travel.moves),
             _ => Vec::new(),
@@ -392,7 +393,7 @@ impl<const D: usize> Simulation<D> {
         if interactions.touch().is_none() && flow.is_none() {
             return Ok(f64::INFINITY);
         }
-        let (state, domain, free) = (&self.state, &self.domain, self.stepper.free());
+        let (state, domain, free) = (&self.state, &self.domain, self.stepper.gives_way(&self.state));
         let cluster_of = interactions.cluster_of();
         GivenStep { state, domain, radii, free: &free, cluster_of, moves, step }.smallest_gap(state.peers(self.session.world()))
     }
@@ -407,10 +408,13 @@ impl<const D: usize> Simulation<D> {
         Err(Error::Diverged(format!("at time {time} a step of {step:.3e} is too short to reach time.end = {end}; {remedy}")))
     }
 
-    /// Lets images slide to where they are now.
+    /// Lets images slide to where they are now, and a loaded wall move.
     fn slide(&mut self) {
         let (time, FoundShear { strain, rate }) = (self.state.time, self.state.shear);
         self.domain = self.domain.clone().at(time).sheared_to(time, strain, rate);
+        if let Some(wall) = self.state.wall {
+            self.domain.size[wall.axis] = wall.position;
+        }
     }
 
     /// Takes the rate of a shear that a stress decides from what has found it.

@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     geometry::Domain,
     interaction::Interactions,
-    mechanics::{Cost, FlowSolver, FoundShear, History, ResidualMonitor, Solution, State},
+    mechanics::{Cost, FlowSolver, FoundShear, History, ResidualMonitor, Solution, State, WallMotion},
 };
 
 /// What happens at one instant, of the bodies that the state of this rank holds.
@@ -77,6 +77,8 @@ pub struct StepOutcome<const D: usize> {
     pub kkt_report: Option<KktReport>,
     /// How a shear whose rate a stress decides has gone at its end.
     pub shear: FoundShear,
+    /// The wall that a load presses on bodies at its end, if there is one.
+    pub wall: Option<WallMotion<D>>,
     /// What it took.
     pub effort: Effort,
 }
@@ -112,6 +114,11 @@ pub trait Stepper<const D: usize> {
 
     /// Whether forces decide the motion of each body that the state of this rank holds.
     fn free(&self) -> Vec<bool>;
+
+    /// Whether a force at a contact moves each of them: those that are free, and those that are fixed to a wall that it moves.
+    fn gives_way(&self, _state: &State<D>) -> Vec<bool> {
+        self.free()
+    }
 
     /// Puts bodies of given motion where they are at the time of a state, and gives bodies to the ranks that own their places in the box of that time.
     fn settle(&mut self, _state: &mut State<D>, _domain: &Domain<D>) {}

@@ -27,7 +27,7 @@ pub use fields::dissipation::dissipation;
 pub use fields::probe::{Probe, scalar_probe, velocity_probe};
 pub use fields::sample::{scalars, velocities};
 pub use fields::vorticity::{CellVorticity, vorticity_at};
-pub use pictures::film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane};
+pub use pictures::film::{AnimatedDisk, AnimationFrame, Film, FlowCut, Plane, PlaneWall};
 pub use pictures::network::{ForceLine, force_lines};
 pub use pictures::picture::picture;
 pub use pictures::plane::{Bond, Disk, Picture};

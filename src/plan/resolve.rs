@@ -15,7 +15,7 @@ use crate::{
         placement::{bodies, check_ends, domain, trajectories, vector},
         room::FEWEST_CELLS_PER_RADIUS,
     },
-    motion::{GranularBody, GranularSetup, longest_granular_step},
+    motion::{GranularBody, GranularSetup, WallLoad, longest_granular_step},
     parallel::Peers,
     scene::{self, BodyGroup, ConstraintMethod, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
     surface::Shape,
@@ -65,13 +65,25 @@ impl<const D: usize> GranularSetup<D> {
         let interactions = interactions::of_granular(scene, &domain, &bodies, &groups)?;
         let interactions = if let Some(bonds) = bonds { interactions.with(bonds) } else { interactions };
         let interactions = if let Some(welds) = welds { interactions.with(welds) } else { interactions };
-        Ok(GranularSetup { interactions, domain, bodies, trajectories })
+        let load = wall_load(scene, &bodies, &groups);
+        Ok(GranularSetup { interactions, domain, bodies, trajectories, load })
     }
 
     /// The longest step with which contact is stable; infinite if it limits none.
     pub fn longest_step(&self) -> f64 {
         longest_granular_step(&self.interactions, &self.bodies)
     }
+}
+
+/// The wall that a load presses on the bodies of a scene, each with its group.
+fn wall_load<const D: usize>(scene: &Scene, bodies: &[GranularBody<D>], groups: &[usize]) -> Option<WallLoad> {
+    let (axis, scene::NormalLoad { stress, wall_mass }) = (scene.domain.loaded_axis()?, scene.domain.load?);
+    let area = scene.domain.size.iter().enumerate().filter(|(other, _)| *other != axis).map(|(_, size)| size).product::<f64>();
+    let free = || bodies.iter().filter(|body| body.mass.is_finite());
+    let of_layer = || free().map(|body| body.mass).sum::<f64>() / free().map(|body| (2.0 * body.radius).powi(D as i32 - 1)).sum::<f64>();
+    let is_fixed = |body: &usize| scene.bodies[groups[*body]].motion == scene::Motion::Wall;
+    let fixed = (0..bodies.len()).filter(is_fixed).collect();
+    Some(WallLoad { axis, force: stress * area, mass: wall_mass.unwrap_or_else(of_layer) * area, fixed })
 }
 
 impl<const D: usize> Setup<D> {

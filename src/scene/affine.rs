@@ -25,7 +25,9 @@ impl AffineFlow {
             let &Protocol::Steady(rate) = protocol else { return None };
             return (rate != 0.0).then_some(AffineFlow { flow: 0, gradient: 1, rate, base: 0.0 });
         }
-        (0..scene.dimension()).find_map(|gradient| {
+        // a wall that moves along its normal changes the rate
+        let axes = if scene.domain.load.is_some() { 0 } else { scene.dimension() };
+        (0..axes).find_map(|gradient| {
             let AxisSection::Walls { lower, upper } = &scene.domain.axes[gradient] else { return None };
             let others = (0..scene.dimension()).filter(|axis| *axis != gradient);
             let periodic = others.clone().all(|axis| scene.domain.axes[axis] == AxisSection::Periodic);

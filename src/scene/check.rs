@@ -7,7 +7,7 @@ use crate::geometry::Protocol;
 use crate::scene::demand::{expect, name, walled};
 use crate::scene::{
     AffineFlow, AxisSection, BodyGroup, Colour, ConstraintMethod, ContactModel, ContactSection, Drive, FlowModel, Joint, LubricationModel,
-    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, force_laws, protocol, regions,
+    Modes, Motion, MultiplierSolver, Scene, Scheme, Spacing, accuracy, energy, force_laws, load, protocol, regions,
 };
 
 /// Least order of multipliers that bear a strain.
@@ -33,6 +33,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     regions::check(scene)?;
     energy::check(scene)?;
     force_laws::check(scene)?;
+    load::check(scene)?;
     if scene.dry() {
         return check_dry(scene);
     }
@@ -275,7 +276,7 @@ fn check_dry(scene: &Scene) -> Result<()> {
     expect(!scene.bodies.is_empty(), "no fluid and no bodies leave nothing to simulate; add [[bodies]]")?;
     expect(scene.time.is_some(), "a dry scene has no instantaneous solve; add [time]")?;
     check_masses(scene, "of a dry scene")?;
-    if scene.contact.friction.coefficient > 0.0 {
+    if scene.contact.friction.coefficient > 0.0 || scene.bodies.iter().any(|bodies| bodies.motion == Motion::Wall) {
         return Ok(());
     }
     check_still_walls(scene, "without fluid and friction a moving wall does not act on bodies; remove it or set contact.friction")

@@ -14,7 +14,7 @@ use crate::scene::sections::{PLANES, PROFILES};
 use crate::scene::{
     AxisSection, BodyGroup, Chain, ChainShape, Cluster, ClusterForm, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection,
     Drive, FlowModel, FlowSection, ForceTexts, InteractionSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver,
-    OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, SizeDistribution, Step, TimeSection, Until,
+    NormalLoad, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, SizeDistribution, Step, TimeSection, Until,
 };
 
 /// Keys with their values, in the order of a scene file.
@@ -118,7 +118,7 @@ fn list(key: &str, value: &[f64]) -> (String, String) {
 }
 
 fn of_domain(domain: &DomainSection) -> Keys {
-    let DomainSection { size, axes } = domain;
+    let DomainSection { size, axes, load } = domain;
     let mut keys = vec![list("domain.size", size)];
     for (name, axis) in ["x", "y", "z"].into_iter().zip(axes) {
         match axis {
@@ -132,6 +132,10 @@ fn of_domain(domain: &DomainSection) -> Keys {
                 keys.push(word(&format!("domain.{name}.profile"), word_of(&PROFILES, parabolic)));
             }
         }
+    }
+    if let Some(NormalLoad { stress, wall_mass }) = load {
+        keys.push(number("domain.normal_stress", *stress));
+        keys.extend(wall_mass.map(|mass| number("domain.wall_mass", mass)));
     }
     keys
 }
@@ -324,6 +328,7 @@ fn of_motion(motion: &Motion) -> Keys {
         Motion::PathFile(path) => vec![text("motion.path", &path.to_string_lossy())],
         Motion::Free => vec![word("motion", "free")],
         Motion::Fixed => vec![word("motion", "fixed")],
+        Motion::Wall => vec![word("motion", "wall")],
         Motion::Prescribed { velocity, spin } => {
             let spin = if let [rate] = spin[..] { number("motion.spin", rate) } else { list("motion.spin", spin) };
             vec![list("motion.velocity", velocity), spin]

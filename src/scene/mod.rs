@@ -16,6 +16,7 @@ mod force_laws;
 mod groups;
 mod key;
 mod keys;
+mod load;
 mod locations;
 mod overrides;
 mod plane;
@@ -39,8 +40,8 @@ pub use locations::Locations;
 pub use reference::{KeySection, SECTIONS};
 pub use sections::{
     AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, ForceTexts,
-    InteractionSection, LubricationModel, LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, OutputSection,
-    ResolutionSection, Scheme, Spacing, Step, TimeSection, Tolerance, Until,
+    InteractionSection, LubricationModel, LubricationSection, MOST_WITH_FORCES, MethodSection, Modes, MultiplierSolver, NormalLoad,
+    OutputSection, ResolutionSection, Scheme, Spacing, Step, TimeSection, Tolerance, Until,
 };
 
 use crate::error::Error;
@@ -95,7 +96,7 @@ impl Scene {
             title: String::new(),
             seed: 1,
             gravity: None,
-            domain: DomainSection { size: size.to_vec(), axes: vec![AxisSection::Periodic; size.len()] },
+            domain: DomainSection { size: size.to_vec(), axes: vec![AxisSection::Periodic; size.len()], load: None },
             flow: FlowSection::default(),
             accuracy: None,
             resolution: None,

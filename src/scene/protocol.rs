@@ -112,7 +112,8 @@ fn shown(protocol: &Protocol) -> String {
 impl Scene {
     /// Whether a shear that drives it, if one does, has one rate.
     pub fn steady_shear(&self) -> bool {
-        !matches!(&self.flow.drive, Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) if !protocol.steady())
+        let changes = matches!(&self.flow.drive, Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) if !protocol.steady());
+        !changes && self.domain.load.is_none()
     }
 
     /// How the rate of the shear that drives it changes with time, if the scene says so.

@@ -14,7 +14,7 @@ mod time;
 pub use contact::{ContactModel, ContactSection};
 pub(in crate::scene) use contact::{FRICTION_KEYS, KEYS as CONTACT_KEYS, friction};
 pub(in crate::scene) use domain::{AXIS_KEYS, KEYS as DOMAIN_KEYS, PROFILES};
-pub use domain::{AxisSection, DomainSection};
+pub use domain::{AxisSection, DomainSection, NormalLoad};
 pub(super) use flow::{DRIVE_KEYS, DRIVES, KEYS as FLOW_KEYS};
 pub use flow::{Drive, FlowModel, FlowSection};
 pub(super) use interactions::KEYS as INTERACTION_KEYS;

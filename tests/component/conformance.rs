@@ -215,7 +215,7 @@ fn granular(session: &Session) -> Simulation<2> {
     let bodies = disks(Vector2::zeros()).iter().map(body).collect();
     Simulation::granular(
         session,
-        GranularSetup { domain: domain(), bodies, trajectories: Default::default(), interactions: all_interactions() },
+        GranularSetup { domain: domain(), bodies, trajectories: Default::default(), interactions: all_interactions(), load: None },
         time(1.0),
     )
 }

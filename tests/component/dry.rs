@@ -55,7 +55,13 @@ fn down<const D: usize>() -> SVector<f64, D> {
 }
 
 fn start<const D: usize>(session: &Session, domain: Domain<D>, bodies: Vec<GranularBody<D>>, time: TimeSection) -> Simulation<D> {
-    let setup = GranularSetup { domain, bodies, trajectories: Default::default(), interactions: Interactions::default().with(Inelastic) };
+    let setup = GranularSetup {
+        domain,
+        bodies,
+        trajectories: Default::default(),
+        interactions: Interactions::default().with(Inelastic),
+        load: None,
+    };
     Simulation::granular(session, setup, time)
 }
 
@@ -311,8 +317,13 @@ fn the_first_automatic_step_knows_bonds_and_paths_and_not_the_end(session: &Sess
 fn bodies_that_leave_the_box_without_a_contact_model_are_an_error_that_says_so(session: &Session) {
     let time = fixed(0.1, 5.0, Scheme::TwoStep);
     let bodies = vec![dry_body([0.5, 0.5], [1.0, 0.0], Vector2::zeros()), dry_body([0.5, 0.6], [0.0, 1.0], Vector2::zeros())];
-    let setup =
-        GranularSetup { domain: channel([1.0, 1.0]), bodies, trajectories: Default::default(), interactions: Interactions::default() };
+    let setup = GranularSetup {
+        domain: channel([1.0, 1.0]),
+        bodies,
+        trajectories: Default::default(),
+        interactions: Interactions::default(),
+        load: None,
+    };
     let mut simulation = Simulation::granular(session, setup, time);
     let error = loop {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();

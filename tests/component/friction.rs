@@ -82,7 +82,7 @@ pub fn start_with<const D: usize>(
     bodies: &[GranularBody<D>],
     step: f64,
 ) -> Simulation<D> {
-    let setup = GranularSetup { domain, bodies: bodies.to_vec(), trajectories: Default::default(), interactions };
+    let setup = GranularSetup { domain, bodies: bodies.to_vec(), trajectories: Default::default(), interactions, load: None };
     let time = TimeSection { step: Step::Fixed(step), end: 1e6 * step, scheme: Scheme::Euler, travel: 0.1, error: 1e-3, until: None };
     Simulation::granular(session, setup, time)
 }

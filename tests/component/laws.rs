@@ -64,6 +64,7 @@ fn start(
             bodies,
             trajectories: Default::default(),
             interactions: Interactions::default().with(contact),
+            load: None,
         },
         time,
     )
@@ -82,6 +83,7 @@ fn under(
         bodies,
         trajectories: Default::default(),
         interactions: Interactions::default().with(contact),
+        load: None,
     };
     let mut other = Simulation::granular(session, setup, time);
     other.restore(simulation.whole_state().into_owned(), turbid::mechanics::History::default()).unwrap();
@@ -156,6 +158,7 @@ fn an_automatic_step_is_no_longer_than_a_repulsion_is_stable_with(session: &Sess
         bodies: vec![disk([2.0, 3.0], [0.1, 0.0], [0.0; 2]), disk([4.0, 3.0], [-0.1, 0.0], [0.0; 2])],
         trajectories: Default::default(),
         interactions: Interactions::default().with(REPULSION),
+        load: None,
     };
     // 0.4 sqrt(m / k), with k = 2 touch / (range radius)
     let longest = 0.4 * (1.0 / 800.0_f64).sqrt();

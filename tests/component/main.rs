@@ -60,6 +60,7 @@ mod of_ones_own;
 mod outputs;
 mod ownership;
 mod packing;
+mod pressed;
 mod protocols;
 mod scalar;
 mod sheared;
@@ -148,6 +149,7 @@ fn main() {
         outputs::tests(),
         ownership::tests(),
         packing::tests(),
+        pressed::tests(),
         conformance::tests(),
         scalar::tests(),
         inclusions::tests(),

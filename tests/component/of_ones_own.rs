@@ -111,7 +111,8 @@ fn dry(session: &Session, interactions: Interactions<2>, bodies: &[([f64; 2], [f
         spin_up: SMatrix::zeros(),
     };
     let domain = Domain { size: Vector2::new(9.0, 7.0), axes: [Axis::Periodic; 2] };
-    let setup = GranularSetup { domain, bodies: bodies.iter().map(body).collect(), trajectories: Default::default(), interactions };
+    let setup =
+        GranularSetup { domain, bodies: bodies.iter().map(body).collect(), trajectories: Default::default(), interactions, load: None };
     Simulation::granular(session, setup, time)
 }
 

@@ -42,7 +42,7 @@ fn gas(session: &Session, contact: impl Interaction<2> + 'static, step: f64) -> 
     let time = TimeSection { step: Step::Fixed(step), end: 40.0 * step, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
     Simulation::granular(
         session,
-        GranularSetup { domain, bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact) },
+        GranularSetup { domain, bodies, trajectories: Default::default(), interactions: Interactions::default().with(contact), load: None },
         time,
     )
 }

@@ -76,6 +76,7 @@ impl Stepper<2> for Hurdles {
             adhesive_contacts: Vec::new(),
             kkt_report: None,
             shear: state.shear,
+            wall: None,
             effort,
         })
     }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     body::Twist,
-    contact::{Contact, FrictionReport, View},
+    contact::{Contact, FrictionReport, LoadedWall, View},
     geometry::Domain,
     parallel::Peers,
 };
@@ -31,6 +31,8 @@ pub struct Certified<'a, const D: usize> {
     pub step: f64,
     /// How surfaces rub.
     pub surfaces: &'a SurfaceFriction,
+    /// The wall that a load presses on them, if there is one.
+    pub wall: Option<LoadedWall<'a>>,
 }
 
 /// Completes the report with the residual, with contacts that stick and slip, and with the work of forces, of all ranks. Collective.
@@ -70,7 +72,9 @@ impl<const D: usize> Certified<'_, D> {
     fn judged(&self, contact: &Contact<D>, wrench: &ContactWrench<D>) -> Judged {
         let law = self.surfaces.of(self.view.identity(contact));
         match D {
-            _ if law.is_plain() => self.judged_by_coefficient(contact, wrench, law.coefficient),
+            _ if law.is_plain() && self.wall.is_none_or(|wall| !wall.meets(contact)) => {
+                self.judged_by_coefficient(contact, wrench, law.coefficient)
+            }
             2 => self.judged_by_law::<3>(contact, wrench, law),
             _ => self.judged_by_law::<6>(contact, wrench, law),
         }
@@ -79,7 +83,8 @@ impl<const D: usize> Certified<'_, D> {
     fn judged_by_law<const W: usize>(&self, contact: &Contact<D>, wrench: &ContactWrench<D>, law: FrictionLaw) -> Judged {
         let Certified { domain, view: View { balls, .. }, masses, step, .. } = *self;
         let (contacts, laws) = (&[*contact], &[law]);
-        let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration: step };
+        let wall = self.wall;
+        let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration: step, wall };
         let (wanted, after) = (island(self.twists).program::<W>(), island(self.ends).program::<W>());
         let impulses = island(self.ends).impulses(&after, &[*wrench]);
         let velocities: Vec<[f64; D]> = after.row_blocks.iter().map(|row_block| row_block.offset).collect();
@@ -110,10 +115,13 @@ impl<const D: usize> Certified<'_, D> {
     /// The change of the kinetic energy of a body, as the product of a change and a sum.
     fn work(&self, body: usize) -> f64 {
         let ([mass, inertia], [before, after]) = (self.masses[body], [&self.twists[body], &self.ends[body]]);
-        if mass.is_infinite() {
+        // what is fixed to a wall moves with it
+        if mass.is_infinite() || self.wall.is_some_and(|wall| wall.fixed.contains(&body)) {
             return 0.0;
         }
         let moved = mass * (after.velocity - before.velocity).dot(&(after.velocity + before.velocity));
+        // a wall does not turn
+        let inertia = if inertia.is_finite() { inertia } else { 0.0 };
         // a skew matrix has each component of the spin twice
         let turned = 0.5 * inertia * (after.spin - before.spin).dot(&(after.spin + before.spin));
         0.5 * (moved + turned)

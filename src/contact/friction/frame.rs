@@ -26,7 +26,9 @@ impl<const D: usize> Frame<D> {
     /// That of a contact.
     pub fn new(contact: &Contact<D>, balls: &[Ball<D>]) -> Frame<D> {
         let own = balls[contact.body].radius;
-        let (arms, reduced_radius) = contact.other().map_or(([contact.separation, 0.0], own), |other| {
+        // a wall is none
+        let ball = contact.other().filter(|&other| balls[other].radius.is_finite());
+        let (arms, reduced_radius) = ball.map_or(([contact.separation, 0.0], own), |other| {
             let whole = own + balls[other].radius;
             ([own, balls[other].radius].map(|radius| radius * contact.separation / whole), own * balls[other].radius / whole)
         });

@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use super::{ContactWrench, FrictionLaw, FrictionShare, program::FrictionIsland, solver::exact::solve_exactly};
 use crate::{
     body::{Twist, components, skew},
-    contact::{Contact, Identity, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
+    contact::{Contact, Identity, LoadedWall, Problem, ProblemShare, View, island::free_body, pack, packed_length, renamed, unpack},
     geometry::{Ball, Domain},
     parallel::Peers,
 };
@@ -68,6 +68,14 @@ impl<const D: usize> Shared<'_, D> {
         let (domain, step) = (self.share.problem.domain, self.share.problem.step);
         let mut letters = vec![Vec::new(); self.peers.count()];
         let mut cost = Cost::default();
+        if let Some(wall) = self.share.problem.wall {
+            let wrenches = if D == 2 {
+                self.solve_whole::<3>(wall, friction, guess, &mut cost)
+            } else {
+                self.solve_whole::<6>(wall, friction, guess, &mut cost)
+            };
+            return (wrenches, cost);
+        }
         for island in self.gather(guess).values() {
             let found = if !island.is_new {
                 island.contacts.clone()
@@ -89,6 +97,26 @@ impl<const D: usize> Shared<'_, D> {
         let wrenches = self.peers.deliver(&letters).chunks(record::<D>()).map(read).collect();
         let most = |count: usize| self.peers.max(count as f64) as usize;
         (wrenches, Cost { sweeps: most(cost.sweeps), iterations: most(cost.iterations) })
+    }
+
+    /// The wrenches of all contacts of a problem of all bodies, among them a wall by which most of them hang together.
+    fn solve_whole<const W: usize>(
+        &self,
+        wall: LoadedWall,
+        friction: &FrictionShare<D>,
+        guess: &dyn Fn(&Identity<D>) -> Guess<D>,
+        cost: &mut Cost,
+    ) -> Wrenches<D> {
+        let laws: Vec<FrictionLaw> = self.contacts.iter().map(|contact| friction.surfaces.of(contact.identity())).collect();
+        let Problem { domain, step, .. } = self.share.problem;
+        let (balls, masses, twists) = (&self.view.balls, self.masses, self.twists);
+        let island =
+            FrictionIsland { domain, balls, masses, twists, step, contacts: self.contacts, laws: &laws, duration: step, wall: Some(wall) };
+        let program = island.program::<W>();
+        let guess: Vec<ContactWrench<D>> = self.contacts.iter().map(|contact| guess(&contact.identity()).0).collect();
+        let found = solve_exactly(&program, island.impulses(&program, &guess), friction.tolerance);
+        *cost = Cost { sweeps: found.sweeps, iterations: found.iterations };
+        self.contacts.iter().map(Contact::identity).zip(island.wrenches(&program, &found.forces)).collect()
     }
 
     /// The islands of which this rank owns the first body that gives way.
@@ -182,6 +210,7 @@ impl<const D: usize> Gathered<D> {
             contacts: &contacts,
             laws: &laws,
             duration: step,
+            wall: None,
         };
         let program = island.program::<W>();
         let guess: Vec<ContactWrench<D>> = self.contacts.values().copied().collect();

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     body::Twist,
-    contact::Contact,
+    contact::{Contact, LoadedWall, loaded_wall::carrier},
     geometry::{Ball, Domain},
 };
 
@@ -55,13 +55,15 @@ pub struct FrictionIsland<'a, const D: usize> {
     pub laws: &'a [FrictionLaw],
     /// What an impulse is over a force: the step, or 1 where forces stand in the place of impulses.
     pub duration: f64,
+    /// The wall that a load presses on the bodies, if there is one.
+    pub wall: Option<LoadedWall<'a>>,
 }
 
 impl<const D: usize> FrictionIsland<'_, D> {
     /// The program.
     pub fn program<const W: usize>(&self) -> FrictionProgram<D, W> {
         let both = self.contacts.iter().flat_map(|contact| [Some(contact.body), contact.other()]).flatten();
-        let mut free: Vec<usize> = both.filter(|&body| self.masses[body][0].is_finite()).collect();
+        let mut free: Vec<usize> = both.filter(|&body| self.masses[body][0].is_finite()).map(|body| carrier(self.wall, body)).collect();
         free.sort_unstable();
         free.dedup();
         self.program_of(&free)
@@ -80,12 +82,17 @@ impl<const D: usize> FrictionIsland<'_, D> {
         let frame = Frame::new(contact, self.balls);
         let mut ends: Vec<(usize, [[f64; W]; D])> = Vec::with_capacity(2);
         for (body, sign, arm) in [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, frame.arms[1])] {
-            let place = body.and_then(|body| free.binary_search(&body).ok());
+            let place = body.and_then(|body| free.binary_search(&carrier(self.wall, body)).ok());
             ends.extend(place.zip(body).map(|(place, body)| (place, self.rows_of(&frame, body, (sign, arm)))));
         }
         let mut norms = [0.0; D];
         for (axis, norm) in norms.iter_mut().enumerate() {
             *norm = ends.iter().flat_map(|(_, rows)| rows[axis]).map(|entry| entry * entry).sum::<f64>().sqrt();
+        }
+        let loaded = self.wall.is_some_and(|wall| wall.meets(contact));
+        let slides = !loaded || even(&mut norms);
+        if loaded {
+            ends.sort_by_key(|(place, _)| *place);
         }
         ends.iter_mut().for_each(|(_, rows)| (0..D).for_each(|axis| rows[axis].iter_mut().for_each(|entry| *entry /= norms[axis])));
         let mut offset = frame.velocity((self.domain, contact), self.twists, self.step);
@@ -95,7 +102,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
         let friction = law.coefficient * norms[1] / norms[0];
         let dilation = if law.convex { friction } else { 0.0 };
         let row_block = RowBlock { ends: [end(0), end(1)], rows: [rows(0), rows(1)], offset, friction, dilation, norms };
-        if law.coefficient > 0.0 { row_block } else { row_block.without_friction() }
+        if law.coefficient > 0.0 && slides { row_block } else { row_block.without_friction() }
     }
 
     /// How the motion of a body, times roots of mass and inertia, changes the velocity of a contact.
@@ -103,7 +110,8 @@ impl<const D: usize> FrictionIsland<'_, D> {
         let [mass, inertia] = self.masses[body];
         let mut rows = [[0.0; W]; D];
         for (axis, row) in rows.iter_mut().enumerate() {
-            (0..D).for_each(|along| row[along] = sign * frame.axes[axis][along] / mass.sqrt());
+            let direction = self.wall.map_or(frame.axes[axis], |wall| wall.along(body, frame.axes[axis]));
+            (0..D).for_each(|along| row[along] = sign * direction[along] / mass.sqrt());
             if axis > 0 {
                 // the surface of a body moves with its spin, and that of its partner, on the other side, against it
                 row[D..].iter_mut().zip(frame.turning(axis)).for_each(|(entry, turning)| *entry = -arm * turning / inertia.sqrt());
@@ -111,6 +119,13 @@ impl<const D: usize> FrictionIsland<'_, D> {
         }
         rows
     }
+}
+
+/// Gives all tangents the largest norm of one, so that the bound on the force along them is a circle; whether there is one that moves anything.
+fn even<const D: usize>(norms: &mut [f64; D]) -> bool {
+    let largest = norms[1..].iter().copied().fold(0.0, f64::max);
+    norms[1..].fill(if largest > 0.0 { largest } else { 1.0 });
+    largest > 0.0
 }
 
 impl<const D: usize, const W: usize> FrictionProgram<D, W> {

@@ -202,6 +202,9 @@ impl<'a, const D: usize> Rounds<'a, D> {
                 changes[body].spin += (frame.torque(&(tangential * sign), arm) + couple * (sign * step)) / masses[body][1];
             }
         }
+        if let Some(wall) = self.share.problem.wall {
+            wall.carry(&mut changes, |change| &mut change.velocity);
+        }
         view.halo.own().iter().map(|&place| changes[place]).collect()
     }
 
@@ -257,7 +260,12 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let tolerance = FrictionReport::tolerance_of(self.friction.tolerance);
         let mut friction = FrictionReport { sweeps, iterations, tolerance, ..FrictionReport::default() };
         let surfaces = self.friction.surfaces;
-        certify(peers, &Certified { domain, view, masses, twists, ends, contacts, step, surfaces }, whole, &mut friction);
+        certify(
+            peers,
+            &Certified { domain, view, masses, twists, ends, contacts, step, surfaces, wall: self.share.problem.wall },
+            whole,
+            &mut friction,
+        );
         let KktReport { smallest_gap, iterations, solver, rounds, largest_island, .. } = *found;
         KktReport { smallest_gap, iterations, solver, rounds, largest_island, friction: Some(friction), ..report }
     }

@@ -60,6 +60,7 @@ impl<const D: usize> Pile<D> {
             contacts,
             laws: &vec![FrictionLaw::plain(coefficient); contacts.len()],
             duration: *step,
+            wall: None,
         }
         .program()
     }

@@ -49,6 +49,7 @@ impl<const D: usize> Scene<D> {
             step: self.step,
             lower_bounds: &[],
             cluster_of: &[],
+            wall: None,
         }
     }
 

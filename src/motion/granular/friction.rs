@@ -35,7 +35,7 @@ impl<const D: usize> Granular<D> {
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
         let (twists, adhesive_contacts, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
-        Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, wall: None, effort })
     }
 
     /// Velocities and spins that keep contacts with friction, next to those wanted. Collective.
@@ -61,6 +61,7 @@ impl<const D: usize> Granular<D> {
             step,
             lower_bounds: &[],
             cluster_of: &[],
+            wall: None,
         };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
         let last = state.contact_history.iter().map(|contact| (contact.identity(), contact.tangential)).collect();

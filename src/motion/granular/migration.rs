@@ -56,7 +56,7 @@ pub fn own_share<const D: usize>(peers: Peers, setup: &GranularSetup<D>, regions
     let owned = |body: &GranularBody<D>| regions.owner(&setup.domain, &body.center) == peers.rank();
     let own: Vec<(usize, &GranularBody<D>)> = setup.bodies.iter().enumerate().filter(|(_, body)| owned(body)).collect();
     let share = Share::Own { numbers: own.iter().map(|(number, _)| *number).collect(), count: setup.bodies.len() };
-    let state = State { share, ..State::start(own.iter().map(|(_, body)| (body.center, body.twist))) };
+    let state = State { share, wall: setup.wall(), ..State::start(own.iter().map(|(_, body)| (body.center, body.twist))) };
     (own.iter().map(|(_, body)| Constants::of(body)).collect(), state)
 }
 

@@ -4,8 +4,11 @@ mod all_bodies;
 mod chains;
 mod clusters;
 mod friction;
+mod given;
+mod loaded_wall;
 pub(super) mod migration;
 mod neighbours;
+mod pressed_wall;
 mod rubbing;
 mod setup;
 mod ties;
@@ -13,7 +16,7 @@ mod together;
 mod velocities;
 mod with_ties;
 
-pub use setup::{GranularBody, GranularSetup};
+pub use setup::{GranularBody, GranularSetup, WallLoad};
 
 use std::{borrow::Cow, ops::Range, time::Instant};
 
@@ -23,6 +26,7 @@ use self::{
     chains::{Accelerated, GranularStep},
     migration::Constants,
     neighbours::Neighbours,
+    pressed_wall::PressedWall,
     ties::Ties,
     together::{Together, Wanting},
     velocities::{Acceleration, HalfStepBehind},
@@ -38,7 +42,7 @@ use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::{Arrangement, Interactions},
-    mechanics::{GivenPlace, Moving, ResidualMonitor, State},
+    mechanics::{Moving, ResidualMonitor, State},
     parallel::Peers,
     petsc::{Session, Stage, enter},
     scene::Scheme,
@@ -73,6 +77,8 @@ pub struct Granular<const D: usize> {
     given: Vec<(usize, SVector<f64, D>, Twist<D>)>,
     /// Of each body that is tied the number of what it belongs to.
     groups: Vec<Option<usize>>,
+    /// The wall that a load presses on the bodies, if there is one.
+    wall: Option<PressedWall>,
     /// In the state that was looked at last.
     known: Known<D>,
     stop: StopRequest,
@@ -109,6 +115,8 @@ impl<const D: usize> Granular<D> {
         let given = setup.bodies.iter().enumerate().filter(|(_, body)| body.mass.is_infinite());
         let given = given.map(|(number, body)| (number, body.center, body.twist)).collect();
         let groups = setup.interactions.group_of();
+        let smallest = setup.bodies.iter().map(|body| body.radius).fold(f64::INFINITY, f64::min);
+        let wall = setup.load.map(|load| PressedWall::new(load, &setup.domain.size, smallest));
         let mut granular = Granular {
             session: session.clone(),
             domain: setup.domain,
@@ -121,6 +129,7 @@ impl<const D: usize> Granular<D> {
             reach,
             given,
             groups,
+            wall,
             known: Known::default(),
             stop: StopRequest::default(),
         };
@@ -225,6 +234,7 @@ impl<const D: usize> Granular<D> {
             step,
             lower_bounds,
             cluster_of: self.interactions.cluster_of(),
+            wall: None,
         };
         let found = contact::project_share(
             peers,
@@ -383,18 +393,6 @@ impl<const D: usize> Granular<D> {
         self.bodies.iter().zip(twists).filter(|(own, _)| own.mass.is_finite()).map(of_body).sum()
     }
 
-    /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.
-    fn given_places(&self, time: f64) -> Vec<(usize, GivenPlace<D>)> {
-        let mut places: Vec<_> =
-            self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
-        for (number, displacement) in self.trajectories.displacements(time) {
-            if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
-                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
-            }
-        }
-        places
-    }
-
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
     fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
         if !self.peers().any(!state.adhesive_contacts.is_empty()) {
@@ -428,8 +426,15 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         self.bodies.iter().map(|body| body.mass.is_finite()).collect()
     }
 
+    fn gives_way(&self, state: &State<D>) -> Vec<bool> {
+        self.moved_by_contacts(state)
+    }
+
     fn settle(&mut self, state: &mut State<D>, domain: &Domain<D>) {
-        state.place_given(self.given_places(state.time).into_iter());
+        state.place_given(self.given_places(state.time, state.wall).into_iter());
+        if let Some(wall) = state.wall {
+            self.domain.size[wall.axis] = wall.position;
+        }
         let peers = Peers::from(self.session.world());
         migration::migrate(peers, domain, &self.regions, state, &mut self.bodies);
         self.known.twists.clear();
@@ -446,6 +451,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let twists = self.known.twists.clone();
         let pulls = if state.last_step > 0.0 { Vec::new() } else { self.pulls_of_bonds(state) };
         let moving = state.bodies.iter().zip(&self.known.accelerations).zip(&self.radii).enumerate();
+        let wall = self.wall.as_ref().zip(state.wall).map(|(pressed, wall)| pressed.motion(&wall, state.last_step));
         let motions: Vec<BodyMotion<D>> = moving
             // velocities live half a step before places
             .map(|(place, ((body, acceleration), &radius))| BodyMotion {
@@ -453,6 +459,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
                 velocity: body.twist.velocity + acceleration.velocity * (0.5 * state.last_step),
                 acceleration: pulls.get(place).map_or(acceleration.velocity, |pull| acceleration.velocity + pull / self.bodies[place].mass),
             })
+            .chain(wall)
             .collect();
         let farthest = |place: usize| self.step_control.time.travel * self.radii[place];
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
@@ -466,6 +473,9 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let start = Instant::now();
         let push = self.push(state.last_step, step);
         let mut moves = self.without_contacts(state, step, push);
+        if let Some(wall) = &self.wall {
+            return self.advance_under_load(state, wall, &moves, GranularStep { length: step, push });
+        }
         let rubs = self.interactions.friction().is_some();
         if rubs && !self.interactions.tie() {
             return self.advance_with_friction(state, &moves, step);

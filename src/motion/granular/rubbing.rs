@@ -134,6 +134,7 @@ impl<const D: usize> Rubbing<D> {
             step: self.step,
             lower_bounds: &[],
             cluster_of: granular.interactions.cluster_of(),
+            wall: None,
         };
         let bonded: BTreeSet<[usize; 2]> = self.rows.iter().filter_map(joined).collect();
         let rubs = |contact: &Contact<D>| {
@@ -152,7 +153,8 @@ impl<const D: usize> Rubbing<D> {
     fn problem<'a>(&'a self, granular: &'a Granular<D>) -> TiedFriction<'a, D> {
         let (AllBodies { balls, masses, twists, .. }, step) = (&self.bodies, self.step);
         let (domain, tolerance) = (&granular.domain, granular.friction_tolerance());
-        let island = FrictionIsland { domain, balls, masses, twists, step, contacts: &self.contacts, laws: &self.laws, duration: step };
+        let island =
+            FrictionIsland { domain, balls, masses, twists, step, contacts: &self.contacts, laws: &self.laws, duration: step, wall: None };
         TiedFriction { island, rigid: &self.rigid, ties: &self.rows, tolerance }
     }
 

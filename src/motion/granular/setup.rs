@@ -6,7 +6,7 @@ use crate::{
     body::{Trajectories, Twist},
     geometry::Domain,
     interaction::Interactions,
-    mechanics::State,
+    mechanics::{State, WallMotion},
 };
 
 /// A body without a fluid.
@@ -28,6 +28,19 @@ pub struct GranularBody<const D: usize> {
     pub spin_up: SMatrix<f64, D, D>,
 }
 
+/// A wall that a load presses on the bodies: the upper one across an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallLoad {
+    /// The axis.
+    pub axis: usize,
+    /// The force that presses it towards the bodies.
+    pub force: f64,
+    /// Its mass.
+    pub mass: f64,
+    /// Numbers of the bodies that are fixed to it, ascending; they have no mass besides.
+    pub fixed: Vec<usize>,
+}
+
 /// A dry scene resolved in its dimension.
 #[derive(Debug, Clone)]
 pub struct GranularSetup<const D: usize> {
@@ -39,11 +52,19 @@ pub struct GranularSetup<const D: usize> {
     pub trajectories: Trajectories<D>,
     /// What they do to each other and how they notice walls.
     pub interactions: Interactions<D>,
+    /// The wall that a load presses on them, if there is one.
+    pub load: Option<WallLoad>,
 }
 
 impl<const D: usize> GranularSetup<D> {
     /// The bodies at the start.
     pub fn start(&self) -> State<D> {
-        State::start(self.bodies.iter().map(|body| (body.center, body.twist)))
+        State { wall: self.wall(), ..State::start(self.bodies.iter().map(|body| (body.center, body.twist))) }
+    }
+
+    /// The loaded wall at the start, at rest at the end of the box.
+    pub fn wall(&self) -> Option<WallMotion<D>> {
+        let at_rest = |axis: usize| WallMotion { axis, position: self.domain.size[axis], velocity: 0.0, force: SVector::zeros() };
+        self.load.as_ref().map(|load| at_rest(load.axis))
     }
 }

@@ -53,7 +53,7 @@ impl<const D: usize> Granular<D> {
         }
         let contacts = [&self.known.contacts[..], &active_contacts].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
-        Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, effort })
+        Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, wall: None, effort })
     }
 }
 

@@ -120,6 +120,17 @@ pub struct AnimationFrame {
     pub contacts: Vec<Bond>,
     /// The vorticity behind them.
     pub vorticity: Option<FlowCut>,
+    /// Where an upper wall is that has left the end of the box: its coordinate to the right or up.
+    pub wall: Option<PlaneWall>,
+}
+
+/// A wall across one of the two directions of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneWall {
+    /// 0 if it is across the direction to the right, 1 if across that up.
+    pub direction: usize,
+    /// Its coordinate there.
+    pub position: f64,
 }
 
 /// A number for each cell that a plane cuts.
@@ -176,6 +187,13 @@ impl Plane {
         [self.across, self.up]
     }
 
+    /// The wall that a load moves, if the plane cuts it, in a box of this size now.
+    pub fn wall(self, scene: &Scene, size: &[f64]) -> Option<PlaneWall> {
+        let axis = scene.domain.loaded_axis()?;
+        let direction = self.axes().iter().position(|own| *own == axis)?;
+        Some(PlaneWall { direction, position: size[axis] })
+    }
+
     /// Which component of the vorticity is that in the plane, and the sign with which it is counterclockwise as seen.
     pub fn vorticity<const D: usize>(self) -> (usize, f64) {
         let place = |plane: (usize, usize)| planes::<D>().iter().position(|own| *own == plane);
@@ -205,7 +223,7 @@ impl Plane {
             group: groups.get(body.number).copied().flatten(),
         };
         let shift = if self.axes() == [0, 1] { shift } else { 0.0 };
-        AnimationFrame { time, shift, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity }
+        AnimationFrame { time, shift, disks: bodies.iter().map(disk).collect(), contacts: Vec::new(), vorticity, wall: None }
     }
 
     /// A film of a scene's box without frames.

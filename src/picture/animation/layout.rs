@@ -1,7 +1,7 @@
 //! Where things lie on a frame, in whole pixels from its upper left corner: words, the box, its walls, the bar of colours and the bar of time.
 
 use super::{palette, text};
-use crate::observe::Film;
+use crate::observe::{Film, PlaneWall};
 use crate::picture::{
     bar::{Bar, round_step},
     canvas::Canvas,
@@ -135,6 +135,15 @@ impl PageLayout {
         let [across, along] = self.walls.map(|wall| if wall { WALL } else { 0 });
         if across + along > 0 {
             self.fill_grown(canvas, [across, along], palette::INK);
+        }
+    }
+
+    /// A thick line on the far side of an upper wall in the box.
+    pub fn fill_wall(&self, canvas: &mut Canvas, PlaneWall { direction, position }: PlaneWall) {
+        let [column, row] = self.place([position; 2]).map(|pixel| pixel.round().max(0.0) as usize);
+        match direction {
+            0 => canvas.fill_rectangle([column.min(self.page[0]), self.corner[1]], [WALL, self.extent[1]], palette::INK),
+            _ => canvas.fill_rectangle([self.corner[0], row.saturating_sub(WALL)], [self.extent[0], WALL], palette::INK),
         }
     }
 

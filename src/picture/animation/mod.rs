@@ -114,6 +114,9 @@ impl Film {
             self.draw(&mut canvas, layout, disk, frame.shift, &shade);
         }
         frame.contacts.iter().for_each(|line| self.draw_line(&mut canvas, layout, line, frame.shift));
+        if let Some(wall) = frame.wall {
+            layout.fill_wall(&mut canvas, wall);
+        }
         layout.write_words(&mut canvas, self, frame.time, bar);
         canvas
     }
@@ -197,7 +200,9 @@ mod tests {
     }
 
     fn frames(disks: Vec<AnimatedDisk>) -> Vec<AnimationFrame> {
-        [0.0, 1.0, 3.0].map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), contacts: Vec::new(), vorticity: None }).into()
+        [0.0, 1.0, 3.0]
+            .map(|time| AnimationFrame { time, shift: 0.0, disks: disks.clone(), contacts: Vec::new(), vorticity: None, wall: None })
+            .into()
     }
 
     fn disk(x: f64, speed: f64) -> AnimatedDisk {
@@ -307,6 +312,7 @@ mod tests {
             shift: 0.0,
             disks: vec![disk(1.0, 9.0)],
             contacts: Vec::new(),
+            wall: None,
             vorticity: Some(cut.clone()),
         });
         let (layout, mut of_all) = (PageLayout::new(&film, 228), film.clone());

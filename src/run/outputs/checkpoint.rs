@@ -19,7 +19,7 @@ use crate::{
     interaction::Wrench,
     mechanics::{
         ContactHistory, ExtrapolationHistory, FlowSolver, FoundShear, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot,
-        State,
+        State, WallMotion,
     },
     motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
@@ -95,6 +95,12 @@ pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulatio
     if simulation.domain().protocol().is_some_and(|protocol| protocol.stress().is_some()) {
         let [strain, rate] = checkpoint.shared("shear")?[..] else { return Err(misfit("shear")) };
         state.shear = FoundShear { strain, rate };
+    }
+    if let Some(wall) = simulation.state().wall {
+        let numbers = checkpoint.shared("wall")?;
+        let (&[position, velocity], force) =
+            numbers.split_first_chunk().filter(|(_, force)| force.len() == D).ok_or_else(|| misfit("wall"))?;
+        state.wall = Some(WallMotion { position, velocity, force: SVector::from_column_slice(force), ..wall });
     }
     let read = |suspension| read_history(checkpoint, simulation.session(), suspension, state.steps);
     let history = simulation.suspension().map(read).transpose()?;
@@ -247,6 +253,9 @@ fn store_state<const D: usize>(writer: &mut CheckpointWriter, world: &World, sim
     if state.shear != FoundShear::default() {
         writer.shared("shear", &[state.shear.strain, state.shear.rate])?;
     }
+    if let Some(wall) = state.wall {
+        writer.shared("wall", &[&[wall.position, wall.velocity], wall.force.as_slice()].concat())?;
+    }
     let rows = state.written(world).flat_map(|place| [&[state.number(place) as f64], &state.bodies[place].pack()[..]].concat());
     writer.rows("bodies", state.count(), Moving::<D>::LENGTH, rows.collect())?;
     writer.shared("carried", &flat(&state.carried))?;
@@ -324,6 +333,7 @@ fn read_state<const D: usize>(world: &World, checkpoint: &Checkpoint, bodies: us
         steps: steps as usize,
         last_step,
         shear: FoundShear::default(),
+        wall: None,
         share: Share::Whole,
         bodies: flat.chunks(Moving::<D>::LENGTH).map(Moving::unpack).collect(),
         contact_history: read_contacts(checkpoint, "contacts")?.into_iter().map(history).collect(),

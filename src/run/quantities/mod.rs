@@ -6,6 +6,7 @@ mod inertia;
 mod motions;
 mod shear;
 mod steps;
+mod wall;
 
 use std::rc::Rc;
 
@@ -26,6 +27,7 @@ pub fn quantities<const D: usize>() -> Vec<Quantity<D>> {
         bonded::clusters(),
         motions::velocities(),
         shear::stress(),
+        wall::loaded(),
     ]
     .into_iter()
     .flatten()

@@ -88,6 +88,8 @@ pub enum Motion {
     Free,
     /// Not at all.
     Fixed,
+    /// Fixed to the wall that a load presses on the bodies.
+    Wall,
     /// As told.
     Prescribed {
         /// Velocity of the center.
@@ -401,11 +403,12 @@ fn read_places(entry: &Entry, dimension: usize) -> Result<Vec<Vec<f64>>> {
 
 impl Motion {
     fn read(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
-        const CHOICES: &str = "\"free\", \"fixed\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. }, { path = [[..], ..] } or { path = \"path.csv\" }";
+        const CHOICES: &str = "\"free\", \"fixed\", \"wall\", { velocity = [..], spin = .. }, { amplitude = [..], frequency = .. }, { path = [[..], ..] } or { path = \"path.csv\" }";
         if let Ok(word) = entry.text() {
             return match word {
                 "free" => Ok(Motion::Free),
                 "fixed" => Ok(Motion::Fixed),
+                "wall" => Ok(Motion::Wall),
                 _ => Err(entry.refuse(&format!("must be {CHOICES}"))),
             };
         }

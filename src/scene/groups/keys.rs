@@ -91,7 +91,13 @@ pub(in crate::scene) const BODY_KEYS: [Key; 16] = [
     .default("that of `contact.friction`")
     .range("at least 0")
     .needs("time.end = 1.0; contact.model = \"inelastic\"; contact.friction = 0.5"),
-    Key::new("motion", "\"free\", \"fixed\" or a table", "\"fixed\"", "How the bodies move: under forces, not at all, or as prescribed.")
+    Key::new(
+        "motion",
+        "\"free\", \"fixed\", \"wall\" or a table",
+        "\"fixed\"",
+        "How the bodies move: under forces, not at all, with the wall that \
+        domain.normal_stress presses, or as prescribed.",
+    )
         .default("\"free\""),
     FORCE.needs(FREE),
     TORQUE.needs(FREE),

@@ -6,7 +6,7 @@ use crate::scene::key::Key;
 use crate::scene::table::Table;
 
 /// Keys of `[domain]`.
-pub(in crate::scene) const KEYS: [Key; 4] = [
+pub(in crate::scene) const KEYS: [Key; 6] = [
     Key::new(
         "size",
         "list of 2 or 3 numbers",
@@ -20,7 +20,24 @@ pub(in crate::scene) const KEYS: [Key; 4] = [
     Key::new("x", AXIS, "{ inflow = 1.0 }", "What bounds the first axis.").default("\"periodic\""),
     Key::new("y", AXIS, "{ lower = [-1.0, 0.0], upper = [1.0, 0.0] }", "What bounds the second axis.").default("\"periodic\""),
     Key::new("z", AXIS, "\"walls\"", "What bounds the third axis.").default("\"periodic\"").needs("domain.size = [8.0, 8.0, 8.0]"),
+    Key::new(
+        "normal_stress",
+        "number",
+        "2.0",
+        "Pressure on the upper wall across the one axis that has walls, which moves along its normal under it and the dry bodies below, from its place at \
+        the end of the box.",
+    )
+    .unit("pressure")
+    .range("above 0")
+    .needs(PRESSED),
+    Key::new("wall_mass", "number", "3.0", "Mass per area of that wall.")
+        .unit("mass/area")
+        .default("that of a layer of the free bodies: their mass over the sum of their diameters, in 3D of the squares of these")
+        .range("above 0")
+        .needs("domain.normal_stress = 2.0; domain.y = \"walls\"; flow.model = \"none\"; contact.model = \"inelastic\"; time.end = 1.0"),
 ];
+
+const PRESSED: &str = "domain.y = \"walls\"; flow.model = \"none\"; contact.model = \"inelastic\"; time.end = 1.0";
 
 const AXIS: &str = "\"periodic\", \"walls\" (at rest) or a table";
 
@@ -60,6 +77,17 @@ pub struct DomainSection {
     pub size: Vec<f64>,
     /// What bounds each axis.
     pub axes: Vec<AxisSection>,
+    /// What presses the upper wall across the axis that has walls, if anything does.
+    pub load: Option<NormalLoad>,
+}
+
+/// A pressure that moves a wall along its normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalLoad {
+    /// The pressure, positive.
+    pub stress: f64,
+    /// Mass of the wall per area, positive, if it is not that of a layer of the free bodies.
+    pub wall_mass: Option<f64>,
 }
 
 /// What bounds the box along one axis.
@@ -96,7 +124,23 @@ impl DomainSection {
             None => Ok(AxisSection::Periodic),
         };
         let axes = ["x", "y", "z"].into_iter().take(dimension).enumerate().map(axis).collect::<Result<_>>()?;
-        Ok(DomainSection { size, axes })
+        Ok(DomainSection { size, axes, load: NormalLoad::read(&table)? })
+    }
+
+    /// The axis whose upper wall a load presses.
+    pub fn loaded_axis(&self) -> Option<usize> {
+        self.load.and_then(|_| self.axes.iter().position(|axis| matches!(axis, AxisSection::Walls { .. })))
+    }
+}
+
+impl NormalLoad {
+    fn read(table: &Table) -> Result<Option<Self>> {
+        let wall_mass = table.get("wall_mass");
+        let Some(stress) = table.get("normal_stress") else {
+            let remedy = "is that of a wall that domain.normal_stress presses; give that, or remove it";
+            return wall_mass.map_or(Ok(None), |mass| Err(mass.refuse(remedy)));
+        };
+        Ok(Some(NormalLoad { stress: stress.positive()?, wall_mass: wall_mass.map(|mass| mass.positive()).transpose()? }))
     }
 }
 

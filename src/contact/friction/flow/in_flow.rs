@@ -65,8 +65,17 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
         let resistances = &resistance.bodies[..];
         let free: Vec<usize> = (0..balls.len()).filter(|&body| resistances[body][0].is_finite()).collect();
         let still = vec![Twist::zero(); balls.len()];
-        let island =
-            FrictionIsland { domain, balls, masses: resistances, twists: &still, step, contacts: &contacts, laws: &laws, duration: 1.0 };
+        let island = FrictionIsland {
+            domain,
+            balls,
+            masses: resistances,
+            twists: &still,
+            step,
+            contacts: &contacts,
+            laws: &laws,
+            duration: 1.0,
+            wall: None,
+        };
         // without contacts nobody asks what resists
         let (program, turns) = (island.program_of(&free), island.turns().collect());
         let program = if contacts.is_empty() { program } else { program.in_medium(resistance.medium(&free)) };

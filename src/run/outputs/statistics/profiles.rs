@@ -69,7 +69,7 @@ impl ProfileFiles {
         let cells = view.flow.map(|flow| fluid_cells(&flow, &found)).transpose()?;
         let measured = self.axes.iter().map(|&axis| {
             let grid = view.flow.map(|flow| flow.solver.grid().cells()[axis]);
-            let slices = Slices::new(&found.domain, axis, found.mean_radius(view), grid, found.jump);
+            let slices = Slices::new(&found.room(view), axis, found.mean_radius(view), grid, found.jump);
             let mut sums = ProfileSums::new(slices.clone());
             found.bodies.iter().for_each(|body| sums.add_body(body));
             found.contacts.iter().for_each(|contact| sums.add_contact(contact));
@@ -163,6 +163,15 @@ struct Bodies<const D: usize> {
 }
 
 impl<const D: usize> Bodies<D> {
+    /// The box that is cut into slices: where a wall moves along its normal, that of the start, so that a slice stays in its place.
+    fn room(&self, view: &View<D>) -> Domain<D> {
+        let mut room = self.domain.clone();
+        if view.motion.is_some_and(|motion| motion.state().wall.is_some()) {
+            room.size = SVector::from_column_slice(&view.scene.domain.size);
+        }
+        room
+    }
+
     /// Those of an instant. Collective.
     fn of(view: &View<D>) -> Bodies<D> {
         let setup = view.flow.map(|flow| flow.solver.setup());
