@@ -24,7 +24,7 @@ use self::{
     fourier::{ComplexTransform, RealTransform},
     lines::Lines,
     periodic::PeriodicLines,
-    stages::Stages,
+    stages::{Stages, transforms_at_once},
     symbols::Symbols,
 };
 pub use self::{separated::SeparatedInverse, stages::Transposes};
@@ -74,7 +74,7 @@ enum LastAxis<const D: usize> {
 impl<const D: usize> TransformInverse<D> {
     /// Whether it serves a box: at most one axis may have walls.
     pub fn fits(domain: &Domain<D>) -> bool {
-        (0..D).filter(|&axis| !domain.periodic(axis)).count() <= 1
+        transforms_at_once(domain)
     }
 
     /// Plans transforms and factors what is solved between walls.
