@@ -220,8 +220,10 @@ fn a_quantity_is_a_column_of_the_series_and_an_entry_of_the_summary(session: &Se
     let folder = RunFolder::to_begin(world, &path, NewRun { scene: &scene, scene_file: None, overwrite: true }).unwrap();
     let mut run = Run::<2>::start(session, &scene, Some(folder), Options::default()).unwrap();
     run.measure(Quantity::new("spread", "area", "mean square of heights above the middle", spread)).unwrap();
-    run.measure(Quantity::of_shear("stress_ratio", "first normal over shear stress", |found| Some(found.normal.first / found.relative())))
-        .unwrap();
+    run.measure(Quantity::of_shear("normal_stress_ratio", "first normal over shear stress", |found| {
+        Some(found.normal.first / found.relative())
+    }))
+    .unwrap();
     for taken in ["spread", "viscosity", "Spread"] {
         let refusal = run.measure(Quantity::new(taken, "", "", |_| Some(1.0))).unwrap_err().to_string();
         assert!(refusal.starts_with(&format!("quantity {taken}: ")), "{refusal}");
@@ -235,10 +237,10 @@ fn a_quantity_is_a_column_of_the_series_and_an_entry_of_the_summary(session: &Se
     assert_eq!(measured, Some(Number::Real(expected)));
     let found = &summary.quantities["spread"];
     assert_eq!((found.unit.as_str(), found.last, found.mean), ("area", Some(expected), None));
-    assert_eq!((summary.quantities["stress_ratio"].last, summary.quantities.contains_key("step")), (Some(ratio), false));
+    assert_eq!((summary.quantities["normal_stress_ratio"].last, summary.quantities.contains_key("step")), (Some(ratio), false));
     if world.rank() == 0 {
         let series = turbid::output::Columns::read(&path.join("series.csv")).unwrap();
-        assert_eq!((series.rows(), series.number("spread", 3), series.number("stress_ratio", 3)), (4, Some(expected), Some(ratio)));
+        assert_eq!((series.rows(), series.number("spread", 3), series.number("normal_stress_ratio", 3)), (4, Some(expected), Some(ratio)));
         std::fs::remove_dir_all(&path).unwrap();
     }
 }
