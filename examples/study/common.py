@@ -53,6 +53,12 @@ def rate_of(slices):
     return line((float(row["position"]), float(row["particle_velocity_x"])) for row in slices if row["particle_velocity_x"])[0]
 
 
+def within_layer(slices, low, high):
+    """The slices between two parts of the height of a layer, which ends where slices are no longer dense."""
+    top = max(float(row["position"]) for row in slices if float(row["fraction"]) > 0.4)
+    return [row for row in slices if low * top < float(row["position"]) < high * top]
+
+
 def line(points):
     """Slope of the straight line through (x, y), by least squares, with its standard error."""
     points = list(points)
@@ -121,3 +127,19 @@ def in_time(samples):
     """The mean of samples in time, with half its 95 % interval from the scatter of blocks."""
     blocks = [samples[len(samples) * place // BLOCKS : len(samples) * (place + 1) // BLOCKS] for place in range(BLOCKS)]
     return sum(samples) / len(samples), interval([sum(block) / len(block) for block in blocks])[1]
+
+
+def ratio_in_time(tops, bottoms):
+    """The ratio of the means of two samples in time, with half its 95 % interval: the scatter of what is left of its equation."""
+    ratio = sum(tops) / sum(bottoms)
+    left = in_time([top - ratio * bottom for top, bottom in zip(tops, bottoms)])[1]
+    return ratio, left / (sum(bottoms) / len(bottoms))
+
+
+#: Friction of sheared disks of friction 0.4 at rest.
+STATIC = 0.26
+
+
+def da_cruz(number):
+    """Friction and fraction of sheared disks of friction 0.4 at an inertial number below 0.2 (da Cruz et al. 2005)."""
+    return STATIC + number, 0.81 - 0.31 * number

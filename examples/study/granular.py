@@ -10,7 +10,7 @@ import math
 import pathlib
 import sys
 
-from common import MEAN_AREA, SIZES, in_time, mean_of, rate_of, run, second_half
+from common import MEAN_AREA, SIZES, da_cruz, in_time, mean_of, rate_of, ratio_in_time, run, second_half
 
 OUT = pathlib.Path("out/study/granular")
 WIDTH, COUNT, SPEED = 30.3, 360, 10.0
@@ -70,10 +70,8 @@ def measure(folder):
         fractions.append(mean_of(middle, "fraction"))
         rates.append(rate_of(middle))
     pressure, rate = sum(normals) / len(normals), sum(rates) / len(rates)
-    # of a ratio of means: the scatter of what is left of its equation
-    left = in_time([shear - sum(shears) / sum(normals) * normal for shear, normal in zip(shears, normals)])[1]
-    fraction, width = in_time(fractions)
-    return {"I": rate * math.sqrt(math.pi * MEAN_AREA / pressure), "mu": sum(shears) / sum(normals), "mu width": left / pressure, "fraction": fraction, "width": width}
+    (friction, friction_width), (fraction, width) = ratio_in_time(shears, normals), in_time(fractions)
+    return {"I": rate * math.sqrt(math.pi * MEAN_AREA / pressure), "mu": friction, "mu width": friction_width, "fraction": fraction, "width": width}
 
 
 def main():
@@ -82,8 +80,9 @@ def main():
     for asked in [0.65, 0.66, 0.68]:
         found = measure(run(program, OUT / f"{asked}", scene(asked, 16.0)))
         number = found["I"]
-        print(f"| {asked} | {number:.4f} | {found['mu']:.3f} +- {found['mu width']:.3f} | {0.26 + number:.3f} | {found['fraction']:.4f} +- {found['width']:.4f} "
-              f"| {0.81 - 0.31 * number:.4f} |", flush=True)
+        friction, fraction = da_cruz(number)
+        print(f"| {asked} | {number:.4f} | {found['mu']:.3f} +- {found['mu width']:.3f} | {friction:.3f} | {found['fraction']:.4f} +- {found['width']:.4f} "
+              f"| {fraction:.4f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import math
 import pathlib
 import sys
 
-from common import MEAN_AREA, SIZES, in_time, mean_of, rate_of, run, second_half
+from common import MEAN_AREA, SIZES, STATIC, da_cruz, in_time, mean_of, rate_of, run, second_half, within_layer
 
 OUT = pathlib.Path("out/study/incline")
 FIXED, SPACING, COUNT, HEIGHT, START = 16, 2.02, 320, 72.0, 0.55
@@ -61,8 +61,7 @@ def measure(folder):
     """Means over the second half of the run, of the slices between a fifth and seven tenths of the layer's height."""
     numbers, frictions, fractions = [], [], []
     for slices in second_half(folder):
-        top = max(float(row["position"]) for row in slices if float(row["fraction"]) > 0.4)
-        middle = [row for row in slices if 0.2 * top < float(row["position"]) < 0.7 * top]
+        middle = within_layer(slices, 0.2, 0.7)
         pressure = -mean_of(middle, "particle_stress_yy")
         numbers.append(rate_of(middle) * math.sqrt(math.pi * MEAN_AREA / pressure))
         frictions.append(abs(mean_of(middle, "particle_stress_xy")) / pressure)
@@ -77,8 +76,8 @@ def main():
         found = measure(run(program, OUT / f"{degrees}", scene(degrees, 400.0)))
         tangent = math.tan(math.radians(degrees))
         (number, wide), (friction, uncertain), (fraction, scatter) = found["I"], found["friction"], found["fraction"]
-        print(f"| {degrees} | {tangent:.4f} | {friction:.4f} +- {uncertain:.4f} | {number:.4f} +- {wide:.4f} | {max(tangent - 0.26, 0.0):.4f} "
-              f"| {fraction:.4f} +- {scatter:.4f} | {0.81 - 0.31 * number:.4f} |", flush=True)
+        print(f"| {degrees} | {tangent:.4f} | {friction:.4f} +- {uncertain:.4f} | {number:.4f} +- {wide:.4f} | {max(tangent - STATIC, 0.0):.4f} "
+              f"| {fraction:.4f} +- {scatter:.4f} | {da_cruz(number)[1]:.4f} |", flush=True)
 
 
 if __name__ == "__main__":

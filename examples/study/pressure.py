@@ -13,7 +13,7 @@ import math
 import pathlib
 import sys
 
-from common import MEAN_AREA, SIZES, in_time, mean_of, rate_of, run, second_half
+from common import MEAN_AREA, SIZES, da_cruz, in_time, mean_of, rate_of, ratio_in_time, run, second_half, within_layer
 
 OUT = pathlib.Path("out/study/pressure")
 FIXED, SPACING, COUNT, START, FRACTION = 15, 2.02, 220, 0.6, 0.78
@@ -74,18 +74,14 @@ def wall(folder):
         rows = list(csv.DictReader(table))
     rows = rows[len(rows) // 2 :]
     shears, normals = ([float(row["loaded_wall_stress_" + axis]) for row in rows] for axis in "xy")
-    shear, normal = -sum(shears) / len(rows), sum(normals) / len(rows)
-    # of a ratio of means: the scatter of what is left of its equation
-    left = in_time([-one - shear / normal * other for one, other in zip(shears, normals)])[1]
-    return shear / normal, left / normal, normal
+    return *ratio_in_time([-shear for shear in shears], normals), sum(normals) / len(rows)
 
 
 def measure(folder):
     """Means over the second half of a run of what is in the middle half of the layer."""
     numbers, fractions = [], []
     for slices in second_half(folder):
-        top = max(float(row["position"]) for row in slices if float(row["fraction"]) > 0.4)
-        middle = [row for row in slices if 0.25 * top < float(row["position"]) < 0.75 * top]
+        middle = within_layer(slices, 0.25, 0.75)
         numbers.append(rate_of(middle) * UNIT)
         fractions.append(mean_of(middle, "fraction"))
     return in_time(numbers), in_time(fractions), wall(folder)
@@ -101,8 +97,9 @@ def main():
           "|-|-|-|-|-|-|-|")
     for name in asked or RUNS:
         (number, wide), (fraction, scatter), (friction, uncertain, normal) = measure(run(program, OUT / name, scene(float(name), RUNS[name])))
-        print(f"| {name} | {number:.4f} +- {wide:.4f} | {friction:.3f} +- {uncertain:.3f} | {0.26 + number:.3f} | {fraction:.4f} +- {scatter:.4f} "
-              f"| {0.81 - 0.31 * number:.4f} | {normal:.4f} |", flush=True)
+        of_friction, of_fraction = da_cruz(number)
+        print(f"| {name} | {number:.4f} +- {wide:.4f} | {friction:.3f} +- {uncertain:.3f} | {of_friction:.3f} | {fraction:.4f} +- {scatter:.4f} "
+              f"| {of_fraction:.4f} | {normal:.4f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -116,7 +116,7 @@ impl<const D: usize> Certified<'_, D> {
     fn work(&self, body: usize) -> f64 {
         let ([mass, inertia], [before, after]) = (self.masses[body], [&self.twists[body], &self.ends[body]]);
         // what is fixed to a wall moves with it
-        if mass.is_infinite() || self.wall.is_some_and(|wall| wall.fixed.contains(&body)) {
+        if mass.is_infinite() || self.wall.is_some_and(|wall| body != wall.place && wall.carries(body)) {
             return 0.0;
         }
         let moved = mass * (after.velocity - before.velocity).dot(&(after.velocity + before.velocity));
