@@ -8,8 +8,8 @@ use crate::Test;
 
 pub fn tests() -> Vec<Test> {
     vec![
-        Test::of(the_drag_of_a_square_array_hardly_knows_the_place_of_its_disk),
-        Test::of(the_drag_of_a_square_array_knows_neither_modes_nor_steps),
+        Test::only_on(1, the_drag_of_a_square_array_hardly_knows_the_place_of_its_disk),
+        Test::only_on(1, the_drag_of_a_square_array_knows_neither_modes_nor_steps),
         Test::of(fixed_bodies_take_the_momentum_that_the_grid_loses),
         Test::of(a_spinning_disk_that_a_stream_carries_is_hardly_pushed_sideways),
     ]

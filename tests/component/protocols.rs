@@ -16,7 +16,7 @@ use crate::Test;
 /// The tests of this file.
 pub fn tests() -> Vec<Test> {
     vec![
-        Test::of(bodies_that_do_not_touch_go_back_as_they_came),
+        Test::only_on(1, bodies_that_do_not_touch_go_back_as_they_came),
         Test::of(just_after_a_reversal_contacts_bear_nothing),
         Test::of(a_tiny_oscillation_measures_the_viscosity_of_an_instant),
         Test::of(a_stress_decides_the_rate),

@@ -18,7 +18,7 @@ use turbid::{
 /// The tests of this file.
 pub fn tests() -> Vec<Test> {
     vec![
-        Test::of(known_answers_are_met),
+        Test::only_on(1, known_answers_are_met),
         Test::of(wall_force_and_stresslets_give_the_same_viscosity),
         Test::of(drag_on_a_square_array_has_the_digits_of_an_independent_program),
         Test::of(the_drag_error_is_of_second_order),

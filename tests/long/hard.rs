@@ -8,7 +8,8 @@
 //! #! code text              ends with this code and says this
 //! ```
 //!
-//! With `TURBID_HARD_CASE=column` this one is run alone. With `TURBID_HARD_TABLE=docs/hard.md` the table of cases is written there.
+//! With `TURBID_HARD_CASE=column` this one is run alone. `TURBID_HARD_TABLE=docs/hard.md cargo test --test long hard::the_table -- --ignored`
+//! writes the table of cases there.
 
 use std::{collections::BTreeMap, fmt::Write, fs, path::PathBuf};
 
@@ -121,8 +122,8 @@ impl Promise {
     }
 }
 
-#[test]
-fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
+/// The cases, or the one that is asked for and those with which it is compared.
+fn asked_for() -> Vec<Case> {
     let mut cases = cases();
     assert!(cases.len() >= 20);
     if let Ok(asked) = std::env::var("TURBID_HARD_CASE") {
@@ -130,37 +131,62 @@ fn every_hard_case_keeps_its_promises_on_any_number_of_ranks() {
         cases.retain(|case| case.name == asked || others.contains(&case.name));
         assert!(!cases.is_empty(), "there is no tests/hard/{asked}.toml");
     }
-    let mut rows = vec![Vec::new(); cases.len()];
-    for ranks in [1, 2, 3] {
-        let outcomes: Vec<CaseOutcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
-        let ended = |(case, outcome): (&Case, &CaseOutcome)| match outcome {
-            CaseOutcome::Ended(summary) => Some((case.name.clone(), summary.clone())),
-            CaseOutcome::Refused(..) => None,
-        };
-        let others: BTreeMap<String, Value> = cases.iter().zip(&outcomes).filter_map(ended).collect();
-        for ((case, outcome), row) in cases.iter().zip(&outcomes).zip(&mut rows) {
-            assert!(!case.promises.is_empty(), "{} promises nothing", case.name);
-            let name = format!("{} on {ranks} ranks", case.name);
-            let kept: Vec<(String, String)> = case.promises.iter().map(|promise| promise.keep(&name, outcome, &others)).collect();
-            row.push(kept);
-        }
-    }
-    if let Ok(path) = std::env::var("TURBID_HARD_TABLE") {
-        fs::write(root().join(path), table(&cases, &rows)).unwrap();
-    }
+    cases
+}
+
+/// For each case what is promised and what was seen on some number of ranks; fails if they differ.
+fn kept(cases: &[Case], ranks: usize) -> Vec<Vec<(String, String)>> {
+    let outcomes: Vec<CaseOutcome> = cases.iter().map(|case| outcome(case, ranks)).collect();
+    let ended = |(case, outcome): (&Case, &CaseOutcome)| match outcome {
+        CaseOutcome::Ended(summary) => Some((case.name.clone(), summary.clone())),
+        CaseOutcome::Refused(..) => None,
+    };
+    let others: BTreeMap<String, Value> = cases.iter().zip(&outcomes).filter_map(ended).collect();
+    let of_case = |(case, outcome): (&Case, &CaseOutcome)| {
+        assert!(!case.promises.is_empty(), "{} promises nothing", case.name);
+        let name = format!("{} on {ranks} ranks", case.name);
+        case.promises.iter().map(|promise| promise.keep(&name, outcome, &others)).collect()
+    };
+    cases.iter().zip(&outcomes).map(of_case).collect()
+}
+
+// one test for each number of ranks: they run side by side
+
+#[test]
+fn every_hard_case_keeps_its_promises_on_one_rank() {
+    kept(&asked_for(), 1);
+}
+
+#[test]
+fn every_hard_case_keeps_its_promises_on_two_ranks() {
+    kept(&asked_for(), 2);
+}
+
+#[test]
+fn every_hard_case_keeps_its_promises_on_three_ranks() {
+    kept(&asked_for(), 3);
+}
+
+#[test]
+#[ignore = "writes the table of the manual"]
+fn the_table_of_hard_cases_is_written() {
+    let path = std::env::var("TURBID_HARD_TABLE").expect("TURBID_HARD_TABLE is the file to write");
+    let cases = asked_for();
+    let seen = [1, 2, 3].map(|ranks| kept(&cases, ranks));
+    fs::write(root().join(path), table(&cases, &seen)).unwrap();
 }
 
 /// The cases with what was promised and what was seen on one, two and three ranks.
-fn table(cases: &[Case], rows: &[Vec<Vec<(String, String)>>]) -> String {
+fn table(cases: &[Case], seen: &[Vec<Vec<(String, String)>>; 3]) -> String {
     let mut text = fs::read_to_string(root().join("docs/parts/hard-head.md")).unwrap();
     text += "\n| case | promised | seen on 1, 2, 3 ranks |\n|-|-|-|\n";
-    for (case, row) in cases.iter().zip(rows) {
+    for (number, case) in cases.iter().enumerate() {
         for place in 0..case.promises.len() {
             let about = if place == 0 { format!("{} (`tests/hard/{}.toml`)", case.about, case.name) } else { String::new() };
-            let seen: Vec<&str> = row.iter().map(|kept| kept[place].1.as_str()).collect();
-            let same = seen.iter().all(|value| *value == seen[0]);
-            let seen = if same { seen[0].to_owned() } else { seen.join(", ") };
-            writeln!(text, "| {about} | {} | {seen} |", row[0][place].0).unwrap();
+            let values = seen.each_ref().map(|kept| kept[number][place].1.as_str());
+            let same = values.iter().all(|value| *value == values[0]);
+            let values = if same { values[0].to_owned() } else { values.join(", ") };
+            writeln!(text, "| {about} | {} | {values} |", seen[0][number][place].0).unwrap();
         }
     }
     text + &fs::read_to_string(root().join("docs/parts/hard-fuzz.md")).unwrap()
