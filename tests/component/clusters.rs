@@ -20,7 +20,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_rod_in_a_turning_fluid_turns_at_second_order_in_time),
         Test::of(a_cluster_moves_as_a_stiff_chain_does),
         Test::of(a_dense_cluster_is_as_hard_to_turn_as_its_moment_of_inertia),
-        Test::only_on(1, clusters_pressed_into_a_corner_do_not_overlap),
+        Test::of(clusters_pressed_into_a_corner_do_not_overlap),
         Test::of(clusters_without_room_are_refused),
         Test::of(where_the_box_cuts_clusters_changes_nothing_in_2d),
         Test::of(where_the_box_cuts_clusters_changes_nothing_in_3d),
