@@ -49,9 +49,11 @@
 //! | 1 | [`geometry`], [`grid`] | boxes, balls and near pairs; the staggered grid |
 //! | 2 | [`body`], [`surface`] | rigid motions and places of bodies; modes on their surfaces |
 //! | 3 | [`constraint`], [`contact`], [`flow`] | how a surface enters the flow; bodies that touch; the fluid and its approximate inverses |
+//! | | [`friction`] | contacts that resist sliding, rolling and twisting |
 //! | | [`fitted`] | the direct way to compare with: flows on meshes that fit their disks |
 //! | | [`interaction`] | what bodies do to each other besides the flow: contact laws, lubrication, forces of one's own |
-//! | 4 | [`scene`], [`mechanics`], [`motion`], [`plan`] | what to simulate; how fluid and bodies answer; steps in time; what a scene calls for |
+//! | 4 | [`scene`], [`setup`], [`system`] | what to simulate; its bodies in their places; the linear system of fluid and bodies |
+//! | | [`mechanics`], [`motion`], [`plan`] | how fluid and bodies answer; steps in time; what a scene calls for |
 //! | 5 | [`observe`], [`picture`], [`output`], [`run`] | stress, viscosity, pairs; pictures and charts; files; runs from start to end |
 //! | | [`experiment`], [`study`], [`validation`] | many runs and their records; error against cost, sweeps, scaling; known answers |
 //! | 6 | [`cli`] | the command line |
@@ -72,12 +74,17 @@ pub mod surface;
 pub mod constraint;
 pub mod contact;
 pub mod flow;
+// bodies that touch and rub
+pub mod friction;
 // flows on meshes that fit their disks
 pub mod fitted;
 // what bodies do to each other besides the flow
 pub mod interaction;
 // floor 4: what to simulate
 pub mod scene;
+// its bodies in their places, the linear system of fluid and bodies
+pub mod setup;
+pub mod system;
 // how fluid and bodies answer, steps in time, what a scene calls for
 pub mod mechanics;
 pub mod motion;

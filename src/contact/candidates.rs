@@ -28,7 +28,7 @@ pub struct Contact<const D: usize> {
 
 impl<const D: usize> Contact<D> {
     /// The contact of two balls whose centres are about `separation` apart, which tells the periodic image.
-    pub(super) fn between(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], separation: SVector<f64, D>) -> Self {
+    pub(crate) fn between(domain: &Domain<D>, balls: &[Ball<D>], [body, partner]: [usize; 2], separation: SVector<f64, D>) -> Self {
         let (ball, other) = (&balls[body], &balls[partner]);
         let image = domain.image(separation - (other.center - ball.center)).map(|boxes| boxes as i32);
         Self::of_image(domain, balls, [body, partner], image)
@@ -50,7 +50,7 @@ impl<const D: usize> Contact<D> {
     }
 
     /// The contact of a ball and a wall.
-    pub(super) fn of_wall(domain: &Domain<D>, balls: &[Ball<D>], body: usize, axis: usize, upper: bool) -> Self {
+    pub(crate) fn of_wall(domain: &Domain<D>, balls: &[Ball<D>], body: usize, axis: usize, upper: bool) -> Self {
         let ball = &balls[body];
         let (separation, sign) = if upper { (domain.size[axis] - ball.center[axis], 1.0) } else { (ball.center[axis], -1.0) };
         let normal = SVector::from_fn(|other, _| if other == axis { sign } else { 0.0 });
@@ -59,7 +59,7 @@ impl<const D: usize> Contact<D> {
     }
 
     /// The contact of a ball and of the upper wall across an axis where that is a body, a ball of infinite radius with its centre on the axis.
-    pub(super) fn of_plane(domain: &Domain<D>, balls: &[Ball<D>], [body, plane]: [usize; 2]) -> Self {
+    pub(crate) fn of_plane(domain: &Domain<D>, balls: &[Ball<D>], [body, plane]: [usize; 2]) -> Self {
         let axis = balls[plane].center.imax();
         let wall = Self::of_wall(domain, balls, body, axis, true);
         Self { partner: Partner::Body(plane), sliding: domain.wall_velocity(axis, true), ..wall }

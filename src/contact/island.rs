@@ -19,17 +19,17 @@ use crate::{parallel::Peers, petsc::Session};
 const SMALLEST_SCALE: f64 = 1e-6;
 
 /// The body of a contact that gives way, the first if both do.
-pub(super) fn free_body<const D: usize>(problem: &Problem<D>, contact: &Contact<D>) -> usize {
+pub(crate) fn free_body<const D: usize>(problem: &Problem<D>, contact: &Contact<D>) -> usize {
     contact.other().filter(|_| !problem.gives_way(contact.body)).unwrap_or(contact.body)
 }
 
 /// The forces at the contacts of one island, from a guess.
-pub(super) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64]) -> Outcome {
+pub(crate) fn solve_island<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64]) -> Outcome {
     solve_by(problem, contacts, guess, &[Solver::Sparse, Solver::General])
 }
 
 /// The same by given methods, each of which is tried if those before it fail.
-pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64], solvers: &[Solver]) -> Outcome {
+pub(crate) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], guess: &[f64], solvers: &[Solver]) -> Outcome {
     let unit = Unit::new(problem, contacts);
     if unit.violation <= 0.0 {
         return Outcome::Solved { forces: vec![0.0; contacts.len()], iterations: 0, solver: Solver::Formula };
@@ -44,7 +44,7 @@ pub(super) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
 
 /// The forces at the contacts of an island that all ranks solve together, from a guess. Collective: each rank gives the contacts of
 /// its own bodies that give way, with the same guess as others for those that it shares with them.
-pub(super) fn solve_together<const D: usize>(
+pub(crate) fn solve_together<const D: usize>(
     session: &Session,
     view: &View<D>,
     problem: &Problem<D>,

@@ -69,7 +69,7 @@ impl KktReport {
 }
 
 /// The KKT report of an answer of all ranks, without its cost. Collective.
-pub(super) fn certify<const D: usize>(
+pub(crate) fn certify<const D: usize>(
     peers: Peers,
     view: &View<D>,
     problem: &Problem<D>,

@@ -12,7 +12,7 @@ pub struct Memory<const D: usize> {
 
 impl<const D: usize> Memory<D> {
     /// The force of a contact; none if it is new.
-    pub(super) fn force(&self, identity: &Identity<D>) -> f64 {
+    pub(crate) fn force(&self, identity: &Identity<D>) -> f64 {
         self.forces.get(identity).copied().unwrap_or(0.0)
     }
 }

@@ -16,7 +16,7 @@
 //! an island that press, each of which a cheap method has started, by dense equations or an interior point. If it
 //! stalls the sure one follows, and if that fails too the step is an [error](crate::error::Error::Contact) that carries the [`Island`].
 //!
-//! Coulomb friction of dry bodies is in a folder of its own. All else here knows balls, walls and weights, and not what the weights mean (mass, resistance),
+//! Coulomb friction is in [`friction`](crate::friction). All here knows balls, walls and weights, and not what the weights mean (mass, resistance),
 //! nor fluid, friction or torque: balls touch along the line of their centres.
 
 mod adhesive;
@@ -24,27 +24,26 @@ mod candidates;
 mod distribute;
 mod failure;
 mod force;
-mod friction;
 mod friction_report;
 mod given;
 mod identity;
 mod identity_hash;
-mod island;
-mod kkt_report;
-mod loaded_wall;
+pub(crate) mod island;
+pub(crate) mod kkt_report;
+pub(crate) mod loaded_wall;
 mod memory;
-mod paths;
+pub(crate) mod paths;
 mod problem;
 mod project;
 mod projection;
 mod replay;
 mod share;
-mod solver;
+pub(crate) mod solver;
 mod spanning;
 mod tied;
 mod tied_program;
-mod union_find;
-mod view;
+pub(crate) mod union_find;
+pub(crate) mod view;
 
 #[cfg(test)]
 mod tests;
@@ -52,11 +51,6 @@ mod tests;
 pub use adhesive::AdhesiveContact;
 pub use candidates::{Contact, candidates};
 pub use force::{ContactForce, pushes};
-pub use friction::{
-    ContactState, ContactWrench, FlowContacts, FrictionIsland, FrictionLaw, FrictionProjection, FrictionShare, HeldContact, HeldRow,
-    ImmersedBodies, NearResistance, NetworkResistance, RigidTwists, SurfaceFriction, TiedFriction, TiedWrenches, carried,
-    contacts_on_the_way, project_with_friction,
-};
 pub use friction_report::{FRICTION_TOLERANCE, FrictionReport};
 pub use given::{GivenPaths, Meeting};
 pub use identity::{Identity, Partner, bodies_of, pack, packed_length, renamed, unpack};

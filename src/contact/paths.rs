@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// What becomes of a pair in a step.
-pub(super) struct Path<const D: usize> {
+pub(crate) struct Path<const D: usize> {
     /// The pair before the step.
     pub contact: Contact<D>,
     /// Smallest gap on the way.
@@ -23,7 +23,7 @@ pub(super) struct Path<const D: usize> {
 }
 
 /// How bodies move in a step.
-pub(super) struct Motions<'a, const D: usize> {
+pub(crate) struct Motions<'a, const D: usize> {
     /// Their velocities.
     pub velocities: &'a [SVector<f64, D>],
     /// How all of them move together.
@@ -32,21 +32,21 @@ pub(super) struct Motions<'a, const D: usize> {
 
 /// All pairs with a gap below `margin` (in radii) somewhere on the way, and others; pairs of which nobody gives way are left out, and those
 /// that concern no body of which `own` is true.
-pub(super) fn paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64, own: impl Fn(usize) -> bool) -> Vec<Path<D>> {
+pub(crate) fn paths<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64, own: impl Fn(usize) -> bool) -> Vec<Path<D>> {
     let mut paths = body_paths(problem, motions, margin, &own);
     paths.extend(wall_paths(problem, motions, margin).filter(|path| own(path.contact.body)));
     paths
 }
 
 /// How the bodies of all ranks move together, seen from the images: the median. Collective.
-pub(super) fn common_motion<const D: usize>(peers: Peers, problem: &Problem<D>, velocities: &[SVector<f64, D>]) -> SVector<f64, D> {
+pub(crate) fn common_motion<const D: usize>(peers: Peers, problem: &Problem<D>, velocities: &[SVector<f64, D>]) -> SVector<f64, D> {
     let own: Vec<_> =
         problem.balls.iter().zip(velocities).map(|(ball, own)| (own - problem.domain.carried(&ball.center)) * problem.step).collect();
     SVector::from_fn(|axis, _| median(peers, own.iter().map(|own| own[axis]).collect()))
 }
 
 /// Balls that enclose what bodies cover in a step, seen from the common motion, in the places of half the step.
-pub(super) fn swept_balls<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64) -> Vec<Ball<D>> {
+pub(crate) fn swept_balls<const D: usize>(problem: &Problem<D>, motions: &Motions<D>, margin: f64) -> Vec<Ball<D>> {
     let Problem { domain, balls, step, .. } = *problem;
     // of two that meet, half the strain moves one centre aside by that part of their distance along y
     let strain = (domain.shear_rate() * step).abs();

@@ -33,44 +33,44 @@ pub struct Problem<'a, const D: usize> {
 
 impl<const D: usize> Problem<'_, D> {
     /// The number of the body at a place.
-    pub(super) fn number(&self, place: usize) -> usize {
+    pub(crate) fn number(&self, place: usize) -> usize {
         self.numbers.map_or(place, |numbers| numbers[place])
     }
 
     /// The numbers of all bodies.
-    pub(super) fn all_numbers(&self) -> Vec<usize> {
+    pub(crate) fn all_numbers(&self) -> Vec<usize> {
         self.numbers.map_or_else(|| (0..self.balls.len()).collect(), <[usize]>::to_vec)
     }
 
     /// Whether a contact is of two balls of one cluster.
-    pub(super) fn within_cluster(&self, contact: &Contact<D>) -> bool {
+    pub(crate) fn within_cluster(&self, contact: &Contact<D>) -> bool {
         contact.within_cluster(self.cluster_of, |place| self.number(place))
     }
 
     /// Whether a body can be turned aside.
-    pub(super) fn gives_way(&self, body: usize) -> bool {
+    pub(crate) fn gives_way(&self, body: usize) -> bool {
         self.weights[body].is_finite()
     }
 
     /// Linearised gap after the step.
-    pub(super) fn gap_after(&self, contact: &Contact<D>, velocities: &[SVector<f64, D>]) -> f64 {
+    pub(crate) fn gap_after(&self, contact: &Contact<D>, velocities: &[SVector<f64, D>]) -> f64 {
         contact.gap + self.step * contact.opening(velocities)
     }
 
     /// How easily a contact opens: the sum of the inverse weights of its bodies.
-    pub(super) fn mobility(&self, contact: &Contact<D>) -> f64 {
+    pub(crate) fn mobility(&self, contact: &Contact<D>) -> f64 {
         let of_body = |body: usize| self.wall.map_or(1.0, |wall| wall.share(body, &contact.normal)) / self.weights[body];
         of_body(contact.body) + contact.other().map_or(0.0, of_body)
     }
 
     /// The least force that a contact may bear.
-    pub(super) fn lower_bound(&self, contact: &Contact<D>) -> f64 {
+    pub(crate) fn lower_bound(&self, contact: &Contact<D>) -> f64 {
         let found = self.lower_bounds.binary_search_by_key(&contact.identity(), |floor| floor.contact.identity());
         found.map_or(0.0, |place| self.lower_bounds[place].force)
     }
 
     /// The wanted velocities, corrected by what contact forces do to them.
-    pub(super) fn corrected_velocities(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
+    pub(crate) fn corrected_velocities(&self, contacts: &[Contact<D>], forces: &[f64]) -> Vec<SVector<f64, D>> {
         let forces = contacts.iter().zip(forces).map(|(&contact, &force)| ContactForce::normal(contact, force));
         let mut pushes = pushes(self.balls.len(), forces);
         if let Some(wall) = self.wall {

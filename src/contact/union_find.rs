@@ -1,7 +1,7 @@
 //! Which bodies hang together: disjoint sets, joined one link at a time.
 
 /// Disjoint sets of bodies.
-pub(super) struct UnionFind {
+pub(crate) struct UnionFind {
     /// A member of the same set, nearer to its representative; the representative names itself.
     parents: Vec<usize>,
 }

@@ -35,15 +35,15 @@ pub struct View<const D: usize> {
     /// Velocities that they want.
     wanted: Vec<SVector<f64, D>>,
     /// Velocities that they have so far.
-    pub(super) velocities: Vec<SVector<f64, D>>,
-    pub(super) lower_bounds: Vec<ContactForce<D>>,
+    pub(crate) velocities: Vec<SVector<f64, D>>,
+    pub(crate) lower_bounds: Vec<ContactForce<D>>,
     /// A loaded wall and the bodies that are fixed to it.
     carried: Vec<usize>,
 }
 
 impl<const D: usize> View<D> {
     /// What is seen of bodies that move so, and of those of known contacts. Collective.
-    pub(super) fn new(peers: Peers, share: &ProblemShare<D>, motions: &Motions<D>, margin: f64, known: &[Contact<D>]) -> View<D> {
+    pub(crate) fn new(peers: Peers, share: &ProblemShare<D>, motions: &Motions<D>, margin: f64, known: &[Contact<D>]) -> View<D> {
         let problem = &share.problem;
         let around = swept_balls(problem, motions, margin);
         let halfway = problem.domain.after(problem.step / 2.0);
@@ -67,7 +67,7 @@ impl<const D: usize> View<D> {
     }
 
     /// The problem of the bodies that are seen, by their places.
-    pub(super) fn problem<'a>(&'a self, whole: &Problem<'a, D>) -> Problem<'a, D> {
+    pub(crate) fn problem<'a>(&'a self, whole: &Problem<'a, D>) -> Problem<'a, D> {
         Problem {
             numbers: Some(self.halo.numbers()),
             balls: &self.balls,
@@ -82,7 +82,7 @@ impl<const D: usize> View<D> {
     ///
     /// # Panics
     /// If one of them is not seen.
-    pub(super) fn placed(&self, contact: &Contact<D>) -> Contact<D> {
+    pub(crate) fn placed(&self, contact: &Contact<D>) -> Contact<D> {
         contact.renamed(|number| self.halo.place(number).expect("both bodies of a contact are seen"))
     }
 
@@ -111,7 +111,7 @@ impl<const D: usize> View<D> {
     }
 
     /// Bodies that hang together by contacts of which both give way, as far as this rank sees.
-    pub(super) fn sets<'a>(&self, contacts: impl IntoIterator<Item = &'a Contact<D>>) -> UnionFind {
+    pub(crate) fn sets<'a>(&self, contacts: impl IntoIterator<Item = &'a Contact<D>>) -> UnionFind {
         let mut sets = UnionFind::new(self.halo.len());
         self.carried.windows(2).for_each(|pair| sets.join(pair[0], pair[1]));
         for contact in contacts {
@@ -125,7 +125,7 @@ impl<const D: usize> View<D> {
     /// Gives every body the least of the values of all that it hangs together with, on whatever ranks those are. Collective.
     ///
     /// Ranks tell each other what they have until nobody learns more: as often as a set crosses from rank to rank.
-    pub(super) fn spread_least(&self, peers: Peers, sets: &mut UnionFind, values: &mut [f64]) {
+    pub(crate) fn spread_least(&self, peers: Peers, sets: &mut UnionFind, values: &mut [f64]) {
         loop {
             let mut least = vec![f64::INFINITY; values.len()];
             for (body, value) in values.iter().enumerate() {

@@ -4,7 +4,8 @@ use std::fmt::Debug;
 
 use super::Arrangement;
 use crate::{
-    contact::{AdhesiveContact, ContactForce, FRICTION_TOLERANCE, SurfaceFriction},
+    contact::{AdhesiveContact, ContactForce, FRICTION_TOLERANCE},
+    friction::SurfaceFriction,
     geometry::Ball,
 };
 

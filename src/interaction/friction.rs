@@ -1,7 +1,7 @@
 //! Coulomb friction at contacts.
 
 use super::{ContactLaw, Friction, Interaction, UnequalFriction};
-use crate::contact::FrictionLaw;
+use crate::friction::FrictionLaw;
 
 impl<const D: usize> Interaction<D> for Friction {
     fn name(&self) -> &'static str {

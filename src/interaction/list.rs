@@ -11,7 +11,8 @@ use crate::{
         MultiplierLayout, Neighbourhood,
         lubrication::{LubricationPair, LubricationPairs, Opposite},
     },
-    contact::{AdhesiveContact, Contact, ContactForce, FrictionLaw, SurfaceFriction},
+    contact::{AdhesiveContact, Contact, ContactForce},
+    friction::{FrictionLaw, SurfaceFriction},
     linalg::ROUNDING,
 };
 

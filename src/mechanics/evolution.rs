@@ -1,6 +1,6 @@
 //! How a flow with inertia goes on from its last solution.
 
-use super::system::level::Level;
+use crate::system::Level;
 use crate::{error::Result, interaction::Wrench, petsc::Vector};
 
 /// What the last solution of a flow with inertia says of the steps to come. Every function is collective.

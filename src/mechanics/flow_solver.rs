@@ -1,19 +1,19 @@
 //! What finds the flow at an instant: the interface behind which grids that ignore bodies and meshes that fit them stand.
 
 use super::{
-    configuration::Configuration,
-    cost::ResidualMonitor,
     evolution::{Evolution, EvolutionOnGrid},
     history::{History, HistoryView},
     resistance::Resistance,
-    setup::Setup,
-    solution::Solution,
 };
 use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
     grid::Grid,
     interaction::{Arrangement, Forces, PairForce},
+};
+use crate::{
+    setup::{Configuration, Setup},
+    system::{ResidualMonitor, Solution},
 };
 
 /// Finds the flow and the motions of bodies at an instant. Every function is collective.

@@ -1,9 +1,7 @@
 //! What solves to come start from: lent by a solver to a checkpoint, or read back for it.
 
-use super::{
-    mesh_level::MeshLevel,
-    system::{extrapolation::ExtrapolationHistory, level::Level},
-};
+use super::mesh_level::MeshLevel;
+use crate::system::{ExtrapolationHistory, Level};
 
 /// What a restart needs of a flow solver besides the state of the bodies.
 #[derive(Default)]

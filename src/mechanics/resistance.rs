@@ -1,10 +1,10 @@
 //! What it takes to move bodies, each as if it were alone but for its films.
 
-use super::{
+use crate::{contact::Contact, friction::NetworkResistance};
+use crate::{
     setup::{Setup, SuspendedBody},
     system::{assembly::Assembly, fixed_operators::FixedOperators, network_resistance::network_resistance},
 };
-use crate::contact::{Contact, NetworkResistance};
 
 /// What bodies resist, for the projection of velocities on those that keep contacts.
 pub struct Resistance<'a, const D: usize> {

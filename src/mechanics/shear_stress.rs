@@ -2,12 +2,12 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::{setup::Setup, solution::Solution};
 use crate::{
     body::Motion,
     contact::ContactForce,
     interaction::{PairForce, Wrench},
 };
+use crate::{setup::Setup, system::Solution};
 
 /// The shear stress, contacts included: `viscosity x rate`, and what stresslets and forces between bodies add over the volume.
 pub fn shear_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, contacts: &[ContactForce<D>]) -> f64 {

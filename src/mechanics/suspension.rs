@@ -3,15 +3,10 @@
 use std::{rc::Rc, time::Instant};
 
 use super::{
-    configuration::Configuration,
-    cost::{Cost, ResidualMonitor},
     evolution::Evolution,
     flow_solver::FlowSolver,
     history::{History, HistoryShape, HistoryView},
     resistance::Resistance,
-    setup::Setup,
-    solution::Solution,
-    system::extrapolation::{RecentHistories, Snapshot},
 };
 use crate::{
     constraint::FlowMethod,
@@ -19,18 +14,20 @@ use crate::{
     flow::{Stokes, StokesInverse},
     geometry::Domain,
     grid::Grid,
-    mechanics::{
-        Conditions,
-        system::{
-            assembled_system::AssembledSystem,
-            assembly::Assembly,
-            fixed_operators::{FixedOperators, Turned},
-            krylov_workspace::KrylovWorkspace,
-            readback,
-            schur_complement::SchurComplement,
-        },
-    },
     petsc::{Session, Stage, enter},
+    system::{
+        Conditions,
+        assembled_system::AssembledSystem,
+        assembly::Assembly,
+        fixed_operators::{FixedOperators, Turned},
+        krylov_workspace::KrylovWorkspace,
+        readback,
+        schur_complement::SchurComplement,
+    },
+};
+use crate::{
+    setup::{Configuration, Setup},
+    system::{Cost, ResidualMonitor, Snapshot, Solution, extrapolation::RecentHistories},
 };
 
 /// A suspension ready to be solved.

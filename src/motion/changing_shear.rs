@@ -1,7 +1,7 @@
 //! Steps of bodies in a shear whose rate changes: where motions do not go on from those before, and how far images slide in a step.
 
 use super::quasi_static::QuasiStatic;
-use crate::{body::Twist, geometry::Domain, mechanics::State};
+use crate::{body::Twist, geometry::Domain, setup::State};
 
 impl<const D: usize> QuasiStatic<D> {
     /// The box of a state, sheared at the rate that is tried, if a stress decides it.

@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SMatrix, SVector};
 use crate::{
     body::{Twist, components, planes, skew},
     interaction::Cluster,
-    mechanics::{State, state::turn},
+    setup::{State, state::turn},
 };
 
 /// In radii squared: `8 pi a^3` over `6 pi a`.

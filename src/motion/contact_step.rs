@@ -10,8 +10,9 @@ use crate::{
     error::Result,
     geometry::Ball,
     interaction::Arrangement,
-    mechanics::{ContactHistory, FlowSolver},
+    mechanics::FlowSolver,
     petsc::{Session, Stage, enter},
+    setup::ContactHistory,
 };
 
 /// Gap, in radii of the largest body, up to which bodies are near each other: a little more than the gaps of rods of the default length, 0.1, which rounding

@@ -8,8 +8,10 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    mechanics::{FoundShear, ResidualMonitor, State, shear_stress},
+    mechanics::shear_stress,
     scene::Scheme,
+    setup::{FoundShear, State},
+    system::ResidualMonitor,
 };
 
 /// Rates that are tried at an instant.

@@ -9,10 +9,11 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Contact, ContactWrench, FlowContacts, Identity, NetworkResistance},
+    contact::{Contact, Identity},
     error::{Error, Result},
+    friction::{ContactWrench, FlowContacts, NetworkResistance},
     interaction::Friction,
-    mechanics::ContactHistory,
+    setup::ContactHistory,
 };
 
 /// Gaps up to which pairs take part: so many times what they may close by in a step, and no less than this many radii of the largest body.

@@ -12,11 +12,12 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::{Contact, ContactForce, ContactWrench, FlowContacts, FrictionReport, HeldContact, ImmersedBodies},
+    contact::{Contact, ContactForce, FrictionReport},
     error::{Error, Result},
+    friction::{ContactWrench, FlowContacts, HeldContact, ImmersedBodies},
     interaction::Spring,
-    mechanics::{ResidualMonitor, Solution},
     petsc::{Stage, enter},
+    system::{ResidualMonitor, Solution},
 };
 
 /// Natural map of forces and velocities, over the largest velocity that contacts would have without forces, below which flow and contacts agree: without

@@ -18,7 +18,7 @@ use crate::{
     contact::ContactForce,
     error::Result,
     interaction::{Spring, Touch},
-    mechanics::{ResidualMonitor, Solution},
+    system::{ResidualMonitor, Solution},
 };
 
 /// Difference between the velocities by the flow and by the contact model, over the largest ([`fastest`]), that counts as agreement,

@@ -7,8 +7,8 @@ use crate::{
     contact::{GivenPaths, Meeting, Problem, pack, packed_length, unpack},
     error::{Error, Result},
     geometry::{Ball, Domain},
-    mechanics::State,
     parallel::Peers,
+    setup::State,
 };
 
 /// The bodies that a state of this rank holds, on their way over a step.

@@ -14,8 +14,8 @@ use crate::{
     error::{Error, Result},
     geometry::{near_pairs, near_walls},
     interaction::Touch,
-    mechanics::State,
     scene::ConstraintMethod,
+    setup::State,
 };
 
 /// Overlap, in radii, up to which clusters are kept apart in a step; the next one does the rest.

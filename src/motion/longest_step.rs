@@ -1,7 +1,7 @@
 //! The longest steps in which explicit forces of interactions are stable.
 
 use super::GranularBody;
-use crate::{geometry::Protocol, interaction::Interactions, mechanics::Setup};
+use crate::{geometry::Protocol, interaction::Interactions, setup::Setup};
 
 /// Largest step in units of `sqrt(m / k)`: a body between as many others as fit around it vibrates at up to `sqrt(24 k / m)`.
 const GRANULAR_STEP: f64 = 0.4;

@@ -29,8 +29,10 @@ use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
-    mechanics::{Configuration, FlowSolver, History, ResidualMonitor, Solution, State},
+    mechanics::{FlowSolver, History},
     petsc::Session,
+    setup::{Configuration, State},
+    system::{ResidualMonitor, Solution},
 };
 
 /// Rounds that flow and contacts are given to agree.

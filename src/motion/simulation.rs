@@ -19,12 +19,11 @@ use crate::{
     geometry::{Ball, Domain},
     interaction::Interactions,
     linalg::ROUNDING,
-    mechanics::{
-        ContactHistory, EvolutionOnGrid, FlowSolver, FoundShear, History, Moving, ResidualMonitor, Share, State, SuspendedBody,
-        unsteady::LARGEST_COURANT,
-    },
+    mechanics::{EvolutionOnGrid, FlowSolver, History, unsteady::LARGEST_COURANT},
     petsc::Session,
     scene::{Step, TimeSection},
+    setup::{ContactHistory, FoundShear, Moving, Share, State, SuspendedBody},
+    system::ResidualMonitor,
 };
 
 /// Shortest step, as a part of the whole run: after so many steps that one more changes no time.

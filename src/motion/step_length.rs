@@ -11,12 +11,10 @@ use crate::{
     body::Twist,
     error::{Error, Result},
     interaction::Wrench,
-    mechanics::{
-        Moving, State,
-        unsteady::{COURANT, LARGEST_COURANT},
-    },
+    mechanics::unsteady::{COURANT, LARGEST_COURANT},
     parallel::Peers,
     scene::Step,
+    setup::{Moving, State},
 };
 
 /// Tolerance of solves at most where the rate of a shear is found from what they miss by.

@@ -9,8 +9,10 @@ use crate::{
     contact::Partner,
     error::Result,
     interaction::Interactions,
-    mechanics::{ContactHistory, ResidualMonitor, State, unsteady::starts_at_once},
+    mechanics::unsteady::starts_at_once,
     scene::Scheme,
+    setup::{ContactHistory, State},
+    system::ResidualMonitor,
 };
 
 impl<const D: usize> QuasiStatic<D> {

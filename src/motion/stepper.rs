@@ -7,7 +7,9 @@ use crate::{
     error::Result,
     geometry::Domain,
     interaction::Interactions,
-    mechanics::{Cost, FlowSolver, FoundShear, History, ResidualMonitor, Solution, State, WallMotion},
+    mechanics::{FlowSolver, History},
+    setup::{FoundShear, State, WallMotion},
+    system::{Cost, ResidualMonitor, Solution},
 };
 
 /// What happens at one instant, of the bodies that the state of this rank holds.

@@ -10,11 +10,14 @@
 use super::{Viscosity, dissipation, rheology::inertia::energy_of_movers};
 use crate::{
     body::{Motion, Twist, components},
-    contact::{ContactForce, carried},
+    contact::ContactForce,
     error::Result,
     flow::Drive,
+    friction::carried,
     geometry::{Ball, Domain},
-    mechanics::{BodyState, FlowSolver, Level, Setup, Solution, SuspendedBody},
+    mechanics::FlowSolver,
+    setup::{Setup, SuspendedBody},
+    system::{BodyState, Level, Solution},
 };
 
 /// Energy and powers at an instant.

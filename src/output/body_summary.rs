@@ -13,7 +13,8 @@ use crate::{
     body::components,
     error::Result,
     geometry::Domain,
-    mechanics::{BodyState, Moving, Setup, Solution},
+    setup::{Moving, Setup},
+    system::{BodyState, Solution},
 };
 
 /// Most bodies that a summary lists, at about 500 bytes each.

@@ -6,13 +6,14 @@ use serde::Serialize;
 use super::TooShort;
 use crate::{
     body::{Body, Motion},
-    mechanics::{BodyState, Setup, Solution},
     motion::Simulation,
     observe::{
         Shear,
         statistics::{Interval, Steady, steady},
     },
     scene::Scene,
+    setup::Setup,
+    system::{BodyState, Solution},
 };
 
 /// Bodies differ by no more than this part.

@@ -12,11 +12,13 @@ use super::{
 use crate::{
     flow::{Drive, InverseMethod},
     geometry::Ball,
-    mechanics::{Cost, FlowSolver, Lubrication, Setup, Solution, SolvedScalar},
+    mechanics::{FlowSolver, SolvedScalar},
     motion::Simulation,
     observe::{InertialNumbers, Part, Parts, Viscosity, why_no_viscosity},
     parallel::{World, peak_memory_bytes},
     scene::Scene,
+    setup::Setup,
+    system::{Cost, Lubrication, Solution},
 };
 
 /// Everything that `summary.json` holds; an effect that the scene does not call for is `null`.

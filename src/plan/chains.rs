@@ -146,8 +146,8 @@ mod tests {
     use super::*;
     use crate::{
         interaction::{Spring, Ties},
-        mechanics::placement,
         parallel::Peers,
+        setup::placement,
     };
 
     /// The bonds of a cell in the middle of a box, and the places of its beads.

@@ -13,12 +13,12 @@ use crate::{
     fitted::EdgeLengths,
     geometry::{Ball, Domain},
     grid::Grid,
-    mechanics::{
+    scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene},
+    setup::{
         Setup, SuspendedBody,
         placement::{self, Asked},
         room,
     },
-    scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene},
 };
 
 /// Most cells along all axes together for which a grid is made to count its unknowns.

@@ -8,9 +8,9 @@ use crate::{
     geometry::{Domain, Protocol, RateStep},
     grid::Grid,
     interaction::{Interaction, Interactions},
-    mechanics::Setup,
     motion::ShiftPeriod,
     scene::{FlowModel, MOST_WITH_FORCES, Motion, Scene, Scheme, Step, TimeSection},
+    setup::Setup,
 };
 
 /// An effect of a scene.

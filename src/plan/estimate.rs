@@ -12,9 +12,11 @@ use crate::{
     error::Result,
     geometry::Ball,
     grid::{Grid, cells_along},
-    mechanics::{ScalarSetup, Setup, system::mean_flow_constraint::MeanFlowConstraint},
+    mechanics::ScalarSetup,
     motion::GranularSetup,
     scene::ConstraintMethod,
+    setup::Setup,
+    system::mean_flow_constraint::MeanFlowConstraint,
 };
 
 impl<const D: usize> Plan<D> {

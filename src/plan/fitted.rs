@@ -8,7 +8,9 @@ use super::{
 use crate::{
     error::Result,
     grid::Grid,
-    mechanics::{ScalarSetup, Setup, fitted, system::mean_flow_constraint::MeanFlowConstraint},
+    mechanics::{ScalarSetup, fitted},
+    setup::Setup,
+    system::mean_flow_constraint::MeanFlowConstraint,
 };
 
 /// Bytes that factors of a matrix in 2D take for each unknown, over the binary logarithm of their number.

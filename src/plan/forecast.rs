@@ -21,11 +21,13 @@ use self::{
 use crate::{
     error::{Error, Result},
     geometry::Ball,
-    mechanics::{BodyState, Configuration, FlowSolver, Setup, Solution, SuspendedBody},
+    mechanics::FlowSolver,
     motion::time_of_travel,
     petsc::Session,
     plan::flow_solver,
     scene::{Scene, Scheme, Step, TimeSection},
+    setup::{Configuration, Setup, SuspendedBody},
+    system::{BodyState, Solution},
 };
 
 /// Cells by which the bodies of a sample are displaced: next to none, for beside walls there may be no room.

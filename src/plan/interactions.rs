@@ -10,14 +10,14 @@ use std::rc::Rc;
 
 use crate::{
     body::{Body, Motion, Twist},
-    contact::SurfaceFriction,
     error::Result,
     flow::Drive,
+    friction::SurfaceFriction,
     geometry::{Axis, Ball, Domain},
     interaction::{Cluster, Friction, Gluey, Inelastic, Interaction, Interactions, Repulsion, UnequalFriction, Welds},
-    mechanics::Setup,
     motion::GranularBody,
     scene::{ContactModel, ForceLaw, Scene, Step},
+    setup::Setup,
 };
 
 /// The interactions of dry bodies.

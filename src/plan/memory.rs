@@ -5,7 +5,7 @@ use crate::{
     flow::InverseMethod,
     geometry::Ball,
     grid::Grid,
-    mechanics::{Setup, SuspendedBody},
+    setup::{Setup, SuspendedBody},
     surface::mode_count,
 };
 

@@ -5,11 +5,12 @@ use crate::{
     error::Result,
     grid::Grid,
     interaction::{Interaction, Interactions},
-    mechanics::{FittedFlow, FlowSolver, ScalarSetup, Setup, Suspension, UnsteadySuspension},
+    mechanics::{FittedFlow, FlowSolver, ScalarSetup, Suspension, UnsteadySuspension},
     motion::{GranularSetup, ShiftPeriod, Simulation, longest_step_in_flow},
     parallel::Peers,
     petsc::Session,
     scene::{ConstraintMethod, FlowModel, Scene, TimeSection},
+    setup::Setup,
 };
 
 /// A scene of dimension `D` resolved: what is solved, and what bodies do to each other besides.

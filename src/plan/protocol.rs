@@ -64,7 +64,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::mechanics::Setup;
+    use crate::setup::Setup;
 
     fn domain(rate: &str, time: &str) -> Result<Domain<2>> {
         let text = format!(

@@ -10,14 +10,14 @@ use crate::{
     geometry::Domain,
     grid::quick_spacing,
     interaction::{Interactions, Lubrication},
-    mechanics::{
+    motion::{GranularBody, GranularSetup, WallLoad, longest_granular_step},
+    parallel::Peers,
+    scene::{self, BodyGroup, ConstraintMethod, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
+    setup::{
         Inertia, Setup, SuspendedBody,
         placement::{bodies, check_ends, domain, trajectories, vector},
         room::FEWEST_CELLS_PER_RADIUS,
     },
-    motion::{GranularBody, GranularSetup, WallLoad, longest_granular_step},
-    parallel::Peers,
-    scene::{self, BodyGroup, ConstraintMethod, ContactModel, FlowModel, Modes, ResolutionSection, Scene, Spacing},
     surface::Shape,
 };
 

@@ -5,12 +5,10 @@ use nalgebra::SVector;
 use super::resolve::suspended_bodies;
 use crate::{
     error::Result,
-    mechanics::{
-        ScalarSetup,
-        placement::{bodies, domain},
-    },
+    mechanics::ScalarSetup,
     parallel::Peers,
     scene::{Drive, Scene},
+    setup::placement::{bodies, domain},
 };
 
 impl<const D: usize> ScalarSetup<D> {

@@ -8,10 +8,10 @@ use super::statistics::RunStatistics;
 use crate::{
     contact::{Contact, Partner, bodies_of, renamed},
     geometry::Domain,
-    mechanics::{ContactHistory, Moving, Share, State},
     motion::{Effort, Observation, Simulation},
     observe::{Bond, ForceLine, FrameBody, force_lines},
     parallel::{Peers, World},
+    setup::{ContactHistory, Moving, Share, State},
 };
 
 /// The contacts of all bodies.

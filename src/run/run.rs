@@ -23,7 +23,7 @@ use super::{
 use crate::{
     error::{Error, Result},
     linalg::ROUNDING,
-    mechanics::{FlowSolver, Setup, Solution, State},
+    mechanics::FlowSolver,
     motion::{Observation, Simulation},
     observe::{self, Viscosity},
     output::{Checkpoint, CurvePoint, Progress, Summary, TimeProgress, note, write_whole},
@@ -31,6 +31,8 @@ use crate::{
     petsc::{Session, Stage, enter},
     plan::flow_solver,
     scene::{FlowModel, Scene},
+    setup::{Setup, State},
+    system::Solution,
 };
 
 /// How much wider than wanted an interval is at most before steps that may end the run: these start from a checkpoint.

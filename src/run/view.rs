@@ -11,12 +11,13 @@ use super::{
 };
 use crate::{
     error::Result,
-    mechanics::{FlowSolver, Solution},
+    mechanics::FlowSolver,
     motion::Simulation,
     observe::{ChainNumbers, InertialNumbers, MembraneNumbers, Shear, Viscosity},
     output::write_whole,
     parallel::World,
     scene::Scene,
+    system::Solution,
 };
 
 /// What there is to write of an instant.

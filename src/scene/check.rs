@@ -1,8 +1,8 @@
 //! What sections of a scene demand of each other.
 
-use crate::contact::FrictionLaw;
 use crate::error::Result;
 use crate::flow::InverseMethod;
+use crate::friction::FrictionLaw;
 use crate::geometry::Protocol;
 use crate::scene::demand::{expect, name, walled};
 use crate::scene::{

@@ -5,7 +5,6 @@ use std::fmt::Display;
 use toml_edit::Value;
 
 use crate::body::Outline;
-use crate::contact::{FRICTION_TOLERANCE, FrictionLaw};
 use crate::flow::InverseMethod;
 use crate::geometry::{Protocol, RateStep};
 use crate::scene::entry::word_of;
@@ -16,6 +15,7 @@ use crate::scene::{
     Drive, FlowModel, FlowSection, ForceTexts, InteractionSection, LubricationModel, MethodSection, Modes, Motion, MultiplierSolver,
     NormalLoad, OutputSection, Placement, ResolutionSection, Scene, Scheme, Shape, SizeDistribution, Step, TimeSection, Until,
 };
+use crate::{contact::FRICTION_TOLERANCE, friction::FrictionLaw};
 
 /// Keys with their values, in the order of a scene file.
 pub(super) type Keys = Vec<(String, String)>;

@@ -12,9 +12,9 @@ use crate::{
         summary::RunSummary,
     },
     flow::InverseMethod,
-    mechanics::Setup,
     output::{prepare_folder, say},
     scene::Scene,
+    setup::Setup,
 };
 
 /// What to run.

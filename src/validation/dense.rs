@@ -3,13 +3,7 @@
 use std::{fmt::Write, path::Path, time::Instant};
 
 use super::solve::viscosity;
-use crate::{
-    error::Result,
-    mechanics::{Setup, Suspension},
-    output::say,
-    petsc::Session,
-    scene::Scene,
-};
+use crate::{error::Result, mechanics::Suspension, output::say, petsc::Session, scene::Scene, setup::Setup};
 
 /// A crowd in a periodic box in shear, bodies of radius 1.
 struct DenseSuspension {

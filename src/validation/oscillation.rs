@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use rustfft::num_complex::Complex;
 
 use super::follow::{ComparisonRow, follow};
-use crate::{error::Result, mechanics::BodyState, petsc::Session};
+use crate::{error::Result, petsc::Session, system::BodyState};
 
 /// Length of decay from the surface, in radii.
 const DECAY: f64 = 0.28;

@@ -4,10 +4,12 @@ use std::path::Path;
 
 use crate::{
     error::{Error, Result},
-    mechanics::{FlowSolver, Setup, Solution, Suspension},
+    mechanics::{FlowSolver, Suspension},
     observe::{self, Viscosity},
     petsc::Session,
     scene::Scene,
+    setup::Setup,
+    system::Solution,
 };
 
 /// Solves the scene of a text with overrides; collective.

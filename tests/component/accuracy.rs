@@ -4,11 +4,12 @@ use std::{f64::consts::PI, path::Path};
 
 use turbid::{
     error::Error,
-    mechanics::{Setup, Suspension},
+    mechanics::Suspension,
     motion::Simulation,
     petsc::Session,
     run::{EstimatedQuantity, Finished, Options, RefinementSequence, complete, refine_whole_runs},
     scene::Scene,
+    setup::Setup,
     validation::{KnownScene, known_scenes, random_scene},
 };
 

@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::Setup,
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver, Tolerance},
+    setup::Setup,
 };
 
 use crate::{

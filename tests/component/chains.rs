@@ -6,11 +6,11 @@ use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
     body::Twist,
     error::Error,
-    mechanics::Setup,
     motion::{GranularSetup, Simulation},
     observe::{ChainNumbers, MembraneNumbers},
     petsc::Session,
     scene::Scene,
+    setup::Setup,
 };
 
 use crate::Test;

@@ -5,11 +5,12 @@ use std::path::Path;
 use nalgebra::{Matrix2, SVector, Vector2};
 use turbid::{
     error::Error,
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::Simulation,
     observe,
     petsc::Session,
     scene::Scene,
+    setup::Setup,
 };
 
 use crate::Test;

@@ -14,11 +14,12 @@ use turbid::{
     interaction::{
         Arrangement, Expression, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, PairForceLaw, Repulsion,
     },
-    mechanics::{Setup, Suspension},
+    mechanics::Suspension,
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
     plan::Plan,
     scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene, Scheme, Step, TimeSection, Tolerance},
+    setup::Setup,
 };
 
 use crate::{Test, suspension::suspended};

@@ -5,10 +5,12 @@ use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{BodyState, FittedInclusions, Inclusions, ScalarSetup, ScalarSolution, Setup, Solution, Suspension},
+    mechanics::{FittedInclusions, Inclusions, ScalarSetup, ScalarSolution, Suspension},
     petsc::Session,
     plan::flow_solver,
     scene::{ConstraintMethod, MultiplierSolver},
+    setup::Setup,
+    system::{BodyState, Solution},
 };
 
 use crate::{

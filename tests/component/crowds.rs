@@ -2,11 +2,7 @@
 
 use std::path::Path;
 
-use turbid::{
-    mechanics::{Setup, Suspension},
-    petsc::Session,
-    scene::Scene,
-};
+use turbid::{mechanics::Suspension, petsc::Session, scene::Scene, setup::Setup};
 
 use crate::Test;
 

@@ -127,7 +127,7 @@ fn clusters_that_pile_up_keep_their_shape_and_lose_energy(session: &Session) {
     let clusters = simulation.interactions().clusters().to_vec();
     let height = |simulation: &Simulation<3>| {
         let (state, balls) = (simulation.whole_state(), simulation.whole_balls());
-        let of = |(body, ball): (&turbid::mechanics::Moving<3>, &turbid::geometry::Ball<3>)| {
+        let of = |(body, ball): (&turbid::setup::Moving<3>, &turbid::geometry::Ball<3>)| {
             let twist = body.twist;
             let rotational = 0.4 * ball.radius.powi(2) * 0.5 * twist.spin.norm_squared();
             ball.radius.powi(3) * (ball.center[2] + 0.5 * twist.velocity.norm_squared() + 0.5 * rotational)

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use turbid::{
     body::components,
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::Simulation,
     petsc::{Class, ObjectCounts, Session},
     plan::Plan,
     scene::Scene,
+    setup::Setup,
 };
 
 use crate::Test;

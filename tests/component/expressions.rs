@@ -6,12 +6,12 @@ use nalgebra::{SMatrix, SVector};
 use turbid::{
     contact::Contact,
     interaction::{Arrangement, Forces, Interaction, PairForce},
-    mechanics::Moving,
     motion::Simulation,
     observe::{self, Part},
     petsc::Session,
     plan::Plan,
     scene::Scene,
+    setup::Moving,
 };
 
 use crate::{Test, conformance::stepper_conforms};

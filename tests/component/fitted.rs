@@ -7,11 +7,13 @@ use turbid::{
     body::{Motion, Twist},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{Configuration, ExtrapolationHistory, FittedFlow, FlowSolver, History, Setup, Snapshot, Solution, SuspendedBody},
+    mechanics::{FittedFlow, FlowSolver, History},
     motion::Simulation,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Scheme, Step, TimeSection, Tolerance},
+    setup::{Configuration, Setup, SuspendedBody},
+    system::{ExtrapolationHistory, Snapshot, Solution},
 };
 
 use crate::{

@@ -5,13 +5,14 @@ use std::f64::consts::PI;
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Twist, components, skew},
-    contact::{FrictionLaw, FrictionReport, Partner, SurfaceFriction},
+    contact::{FrictionReport, Partner},
+    friction::{FrictionLaw, SurfaceFriction},
     geometry::{Axis, Domain},
     interaction::{Friction, Inelastic, Interactions, UnequalFriction},
-    mechanics::{Moving, State},
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::Session,
     scene::{Scheme, Step, TimeSection},
+    setup::{Moving, State},
 };
 
 use crate::{Test, dry::smallest_gap};
@@ -105,7 +106,7 @@ pub fn fastest<const D: usize>(simulation: &Simulation<D>) -> f64 {
 
 /// Kinetic energy of free bodies, and their energy of place.
 pub fn energy<const D: usize>(simulation: &Simulation<D>, bodies: &[GranularBody<D>]) -> f64 {
-    let of_body = |(moving, body): (&turbid::mechanics::Moving<D>, &GranularBody<D>)| {
+    let of_body = |(moving, body): (&turbid::setup::Moving<D>, &GranularBody<D>)| {
         let turning = 0.5 * body.inertia * moving.twist.spin.norm_squared();
         0.5 * (body.mass * moving.twist.velocity.norm_squared() + turning) - body.mass * body.acceleration.dot(&moving.center)
     };

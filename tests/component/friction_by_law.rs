@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use nalgebra::{SMatrix, SVector, Vector2};
 use turbid::{
     body::{Twist, components, skew},
-    contact::{FrictionLaw, FrictionReport, SurfaceFriction},
+    contact::FrictionReport,
+    friction::{FrictionLaw, SurfaceFriction},
     geometry::Domain,
     interaction::{Friction, Inelastic, Interactions, UnequalFriction},
     motion::{GranularBody, Simulation},

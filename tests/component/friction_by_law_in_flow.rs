@@ -3,12 +3,7 @@
 use std::path::Path;
 
 use nalgebra::{SVector, Vector2, Vector3};
-use turbid::{
-    contact::{FrictionLaw, FrictionReport},
-    motion::Simulation,
-    petsc::Session,
-    scene::Scene,
-};
+use turbid::{contact::FrictionReport, friction::FrictionLaw, motion::Simulation, petsc::Session, scene::Scene};
 
 use crate::{
     Test,

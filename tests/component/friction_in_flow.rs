@@ -3,15 +3,17 @@
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 use turbid::{
     body::{Motion, Twist, pack},
-    contact::{ContactForce, FrictionLaw, FrictionReport, Partner, SurfaceFriction},
+    contact::{ContactForce, FrictionReport, Partner},
     flow::{Drive, InverseMethod},
+    friction::{FrictionLaw, SurfaceFriction},
     geometry::{Axis, Ball, Domain},
     interaction::{Friction, Lubrication, UnequalFriction},
-    mechanics::{FlowSolver, History, Setup, SuspendedBody, Suspension},
+    mechanics::{FlowSolver, History, Suspension},
     motion::{Observation, Simulation},
     observe,
     petsc::Session,
     scene::{ContactModel, Scheme, Step, TimeSection, Tolerance},
+    setup::{Setup, SuspendedBody},
 };
 
 use crate::{

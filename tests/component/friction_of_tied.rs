@@ -116,7 +116,7 @@ pub const CHAINS: &str = "chains = [{ count = 5, beads = 4, stretch = \"rigid\",
 /// Kinetic energy and that of place of balls of radius 1/2 and density 1.
 pub fn energy(simulation: &Simulation<2>) -> f64 {
     let mass = 0.25 * std::f64::consts::PI;
-    let of_ball = |body: &turbid::mechanics::Moving<2>| {
+    let of_ball = |body: &turbid::setup::Moving<2>| {
         let spin = components(&body.twist.spin)[0];
         mass * (0.5 * body.twist.velocity.norm_squared() + 0.0625 * spin * spin + body.center[1])
     };

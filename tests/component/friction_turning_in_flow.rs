@@ -3,9 +3,11 @@
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 use turbid::{
     body::{Twist, components, skew},
-    contact::{ContactForce, FrictionLaw, FrictionReport},
-    mechanics::{History, Setup},
+    contact::{ContactForce, FrictionReport},
+    friction::FrictionLaw,
+    mechanics::History,
     petsc::Session,
+    setup::Setup,
 };
 
 use crate::{

@@ -6,11 +6,11 @@ use nalgebra::{SMatrix, SVector};
 use turbid::{
     body::Motion,
     contact::FrictionReport,
-    mechanics::SuspendedBody,
     motion::{Observation, Simulation},
     observe,
     petsc::Session,
     scene::Scene,
+    setup::SuspendedBody,
 };
 
 use crate::Test;

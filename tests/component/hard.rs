@@ -7,10 +7,11 @@ use turbid::{
     flow::{Drive, InverseMethod, IteratedInverse, Stokes, StokesInverse},
     geometry::{Axis, Ball, Domain},
     grid::Grid,
-    mechanics::{FlowSolver, Setup, SuspendedBody, Suspension},
+    mechanics::{FlowSolver, Suspension},
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
+    setup::{Setup, SuspendedBody},
 };
 
 use crate::Test;

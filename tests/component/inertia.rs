@@ -9,14 +9,13 @@ use turbid::{
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
-    mechanics::{
-        Configuration, EvolutionOnGrid, ExtrapolationHistory, FittedFlow, FlowSolver, History, Inertia, Level, MeshLevel, Setup, Snapshot,
-        SuspendedBody, Suspension, UnsteadySuspension,
-    },
+    mechanics::{EvolutionOnGrid, FittedFlow, FlowSolver, History, MeshLevel, Suspension, UnsteadySuspension},
     motion::Simulation,
     observe,
     petsc::{Session, Vector},
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scene, Scheme, Step, TimeSection, Tolerance},
+    setup::{Configuration, Inertia, Setup, SuspendedBody},
+    system::{ExtrapolationHistory, Level, Snapshot},
 };
 
 use crate::{

@@ -6,9 +6,10 @@ use nalgebra::{SVector, Vector2};
 use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{Setup, Solution, SuspendedBody},
     petsc::Session,
     scene::{Scene, Tolerance},
+    setup::{Setup, SuspendedBody},
+    system::Solution,
 };
 
 use super::{

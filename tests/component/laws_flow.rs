@@ -5,10 +5,11 @@ use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::{Observation, Simulation},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
+    setup::Setup,
 };
 
 use crate::Test;

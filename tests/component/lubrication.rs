@@ -10,10 +10,12 @@ use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
     interaction::{Interactions, Lubrication},
-    mechanics::{BodyState, FlowSolver, Setup, Solution, SuspendedBody, Suspension},
+    mechanics::{FlowSolver, Suspension},
     observe::{Viscosity, viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
+    setup::{Setup, SuspendedBody},
+    system::{BodyState, Solution},
 };
 
 use crate::Test;

@@ -12,11 +12,12 @@ use turbid::{
     flow::{Drive, InverseMethod},
     grid::{Grid, Node},
     linalg::SparseRows,
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::Simulation,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
+    setup::Setup,
 };
 
 /// The tests of this file.
@@ -254,7 +255,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         let mut moved = setup;
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
         let centers: Vec<_> = moved.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment = turbid::mechanics::Configuration {
+        let moment = turbid::setup::Configuration {
             centers: &centers,
             time: 0.0,
             contacts: &[],

@@ -7,11 +7,12 @@ use turbid::{
     body::{Motion, pack},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
-    mechanics::{Configuration, FlowSolver, Setup, SuspendedBody, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::{Observation, Simulation},
     observe::{self, Part},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
+    setup::{Configuration, Setup, SuspendedBody},
 };
 
 use crate::Test;

@@ -7,10 +7,10 @@ use turbid::{
     body::{Regions, Twist, pack},
     geometry::{Axis, Domain},
     interaction::{Gluey, Inelastic, Interaction, Interactions, Repulsion},
-    mechanics::Share,
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::Session,
     scene::{Scheme, Step, TimeSection},
+    setup::Share,
 };
 
 use crate::Test;

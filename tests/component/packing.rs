@@ -6,9 +6,9 @@ use nalgebra::SVector;
 use turbid::{
     body::{pack, pack_on},
     geometry::{Axis, Ball, Domain, LeesEdwards, first_fault},
-    mechanics::Setup,
     petsc::Session,
     scene::Scene,
+    setup::Setup,
 };
 
 use crate::Test;

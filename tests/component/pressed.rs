@@ -6,10 +6,11 @@ use turbid::{
     contact::FrictionReport,
     geometry::Domain,
     interaction::{Friction, Inelastic, Interactions},
-    mechanics::{History, State, WallMotion},
+    mechanics::History,
     motion::{GranularBody, GranularSetup, Simulation, StepReport, WallLoad},
     petsc::Session,
     scene::{Scheme, Step, TimeSection},
+    setup::{State, WallMotion},
 };
 
 use crate::{

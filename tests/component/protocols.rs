@@ -4,11 +4,12 @@ use std::{f64::consts::TAU, path::Path};
 
 use nalgebra::{Complex, SVector};
 use turbid::{
-    mechanics::{FlowSolver, Setup, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::{Observation, Simulation},
     observe::{self, Viscosity, statistics::harmonics},
     petsc::Session,
     scene::Scene,
+    setup::Setup,
 };
 
 use crate::Test;

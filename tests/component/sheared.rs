@@ -7,11 +7,12 @@ use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain, LeesEdwards, near_pairs},
     grid::Grid,
-    mechanics::{FlowSolver, Setup, State, SuspendedBody, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::Simulation,
     observe,
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
+    setup::{Setup, State, SuspendedBody},
 };
 
 use crate::{

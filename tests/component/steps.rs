@@ -14,11 +14,12 @@ use turbid::{
     error::{Error, Result},
     geometry::{Axis, Domain},
     interaction::Interactions,
-    mechanics::{ResidualMonitor, State},
     motion::{Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView, StopRequest},
     parallel::Peers,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
+    setup::State,
+    system::ResidualMonitor,
 };
 
 use crate::Test;

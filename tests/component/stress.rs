@@ -11,11 +11,13 @@ use turbid::{
     contact::{Contact, ContactForce, Partner},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
-    mechanics::{FlowSolver, Setup, Solution, Suspension},
+    mechanics::{FlowSolver, Suspension},
     motion::Simulation,
     observe::{self, Part, Viscosity},
     petsc::Session,
     scene::{ConstraintMethod, Scene},
+    setup::Setup,
+    system::Solution,
 };
 
 /// The tests of this file.

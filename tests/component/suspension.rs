@@ -8,10 +8,12 @@ use turbid::{
     body::{Body, Motion, Twist},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
-    mechanics::{FlowSolver, Setup, Solution, SuspendedBody, Suspension},
+    mechanics::{FlowSolver, Suspension},
     observe,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
+    setup::{Setup, SuspendedBody},
+    system::Solution,
     validation::cases,
 };
 

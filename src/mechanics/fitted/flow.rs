@@ -20,11 +20,12 @@ use crate::{
     grid::Grid,
     interaction::Wrench,
     mechanics::{
-        Configuration, Cost, Evolution, EvolutionOnGrid, ExtrapolationHistory, FlowSolver, History, HistoryShape, HistoryView, MeshLevel,
-        ResidualMonitor, Resistance, Setup, Snapshot, Solution, WallForces, check_steady_state,
+        Evolution, EvolutionOnGrid, FlowSolver, History, HistoryShape, HistoryView, MeshLevel, Resistance,
         unsteady::{first_step, inertia, longest_step},
     },
     petsc::{Direct, Report, Session, Stage, enter},
+    setup::{Configuration, Setup},
+    system::{Cost, ExtrapolationHistory, ResidualMonitor, Snapshot, Solution, WallForces, check_steady_state},
 };
 
 /// Solutions from which a step starts.

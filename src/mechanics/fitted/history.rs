@@ -7,10 +7,11 @@ use crate::{
     error::Result,
     fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, PlaneTwist, Projection},
     mechanics::{
-        MeshLevel, Setup, SuspendedBody,
+        MeshLevel,
         unsteady::{StepWeights, inertia},
     },
     petsc::Session,
+    setup::{Setup, SuspendedBody},
     surface::Shape,
 };
 

@@ -13,8 +13,9 @@ use crate::{
     fitted::{Locator, Mesh, Place, ScalarNumbering, Spot, System, generate, second_order},
     geometry::Ball,
     grid::{Grid, operators::signed},
-    mechanics::{Cost, InclusionState, ResidualMonitor, ScalarSetup, ScalarSolution},
+    mechanics::{InclusionState, ScalarSetup, ScalarSolution},
     petsc::{Report, Session, Stage, Vector, enter},
+    system::{Cost, ResidualMonitor},
 };
 
 /// The scalar problem in 2D on a mesh that fits the inclusions.

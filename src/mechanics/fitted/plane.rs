@@ -8,7 +8,8 @@ use crate::{
     fitted::{DiskMotion, EdgeLengths, Load, Mesh, MeshInertia, PlaneTwist, StokesNumbering, StokesProblem, generate},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
-    mechanics::{BodyState, Setup},
+    setup::Setup,
+    system::BodyState,
 };
 
 /// Numbers of triangles and unknowns of a setup with its bodies where they start.

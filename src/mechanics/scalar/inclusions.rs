@@ -12,9 +12,9 @@ use crate::{
     constraint::MultiplierLayout,
     error::{Error, Result},
     grid::{Grid, dirichlet},
-    mechanics::{Cost, Stages},
     petsc::{Amg, AmgSettings, Krylov, KrylovMethod, KrylovSettings, Session, Stage, System, Vector, enter},
     scene::MultiplierSolver,
+    system::{Cost, Stages},
 };
 
 /// Iterations allowed, and those after which the solver restarts; crowds take fewer than a hundred.

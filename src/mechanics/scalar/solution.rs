@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{setup::ScalarSetup, uzawa::Uzawa};
-use crate::{grid::Grid, mechanics::Cost, petsc::Vector};
+use crate::{grid::Grid, petsc::Vector, system::Cost};
 
 /// An inclusion and what is found for it.
 #[derive(Debug, Clone, Copy, PartialEq)]

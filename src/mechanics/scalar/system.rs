@@ -10,8 +10,8 @@
 use crate::{
     constraint::ScalarBlocks,
     error::Result,
-    mechanics::{Stages, work::Watch},
     petsc::{Amg, Matrix, Session, Stage, System, Vector},
+    system::{Stages, work::Watch},
 };
 
 /// The coupled system; the solver's vectors hold the scalar, then multipliers.

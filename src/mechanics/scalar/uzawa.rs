@@ -8,8 +8,8 @@ use std::time::Instant;
 use super::system::ScalarSystem;
 use crate::{
     error::{Error, Result},
-    mechanics::{Stages, work::Watch},
     petsc::{Amg, Krylov, KrylovMethod, KrylovSettings, Matrix, Report, Stage, System, Vector},
+    system::{Stages, work::Watch},
 };
 
 /// Iterations allowed.

@@ -19,9 +19,12 @@ use crate::{
     error::Result,
     flow::{Convection, fastest},
     grid::Grid,
-    mechanics::system::level::{Band, Extended, Level, Near},
     parallel::World,
     petsc::{Scatter, Vector},
+    system::{
+        Level,
+        level::{Band, Extended, Near},
+    },
 };
 
 /// Largest jump of what is convected, over the largest speed of the flow. Behind a boundary layer thinner than a cell jump functions go on with its slope to

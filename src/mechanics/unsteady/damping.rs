@@ -5,7 +5,7 @@
 //! it does not yet, and multipliers grow. There a surface gives way by `damping (c - slow)`, with `slow` the mean of its multipliers over the time in
 //! which viscosity passes a part of a cell: enough for its mobility to be positive, and nothing where multipliers change slowly.
 
-use crate::mechanics::system::{assembly::Assembly, fixed_operators::FixedOperators};
+use crate::system::{assembly::Assembly, fixed_operators::FixedOperators};
 
 /// Velocity by which a surface that touches gives way to a change of a multiplier, over spacing and one over viscosity.
 const DAMPING: f64 = 0.015;

@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::{
     body::planes,
     grid::Grid,
-    mechanics::system::{
+    system::{
         bodies::BodyTypes,
         points::{Point, each_inside},
     },

@@ -5,7 +5,7 @@ use crate::{
     body::{Body, Motion, Twist, components},
     flow::Drive,
     interaction::Wrench,
-    mechanics::{Setup, SuspendedBody},
+    setup::{Setup, SuspendedBody},
     surface::Shape,
 };
 

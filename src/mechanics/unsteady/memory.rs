@@ -4,7 +4,7 @@
 //! cell in a step clears points, and what is wrong with a multiplier comes back in its rows, `C^2 h^2 / nu` over the memory of the mean times. So memories are times of diffusion
 //! across parts of a cell.
 
-use crate::mechanics::system::unsteady_jump::{OF_JUMPS, OF_RATES};
+use crate::system::unsteady_jump::{OF_JUMPS, OF_RATES};
 
 /// Memory of the multipliers by which surfaces in thin gaps are damped, over the time in which viscosity passes a cell.
 const IN_GAPS: f64 = 0.25;

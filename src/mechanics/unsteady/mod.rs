@@ -34,19 +34,10 @@ pub use self::{
     scheme::StepWeights,
 };
 use super::{
-    configuration::Configuration,
-    cost::{Cost, ResidualMonitor},
     evolution::{Evolution, EvolutionOnGrid},
     flow_solver::FlowSolver,
     history::{History, HistoryShape, HistoryView},
     resistance::Resistance,
-    setup::{Inertia, Setup},
-    solution::{BodyState, Lubrication, Solution, WallForces},
-    system::{
-        extrapolation::{RecentHistories, Snapshot},
-        level::{Band, Extended, Level},
-        points::{Point, each_inside},
-    },
 };
 use crate::{
     body::{Row, Twist, planes},
@@ -54,7 +45,8 @@ use crate::{
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
     grid::{Grid, operators::signed},
     interaction::Wrench,
-    mechanics::system::{
+    petsc::{Scatter, Session, Stage, Vector, enter},
+    system::{
         assembled_system::AssembledSystem,
         assembly::Assembly,
         film_forces::add_films,
@@ -63,7 +55,15 @@ use crate::{
         mean_flow_constraint::{add_drive, add_walls},
         readback,
     },
-    petsc::{Scatter, Session, Stage, Vector, enter},
+};
+use crate::{
+    setup::{Configuration, Inertia, Setup},
+    system::{
+        BodyState, Cost, Level, Lubrication, ResidualMonitor, Snapshot, Solution, WallForces,
+        extrapolation::RecentHistories,
+        level::{Band, Extended},
+        points::{Point, each_inside},
+    },
 };
 
 /// Solutions from which a step starts: two for the rate of change, one more for convection.

@@ -15,8 +15,9 @@ use crate::{
     body::{Motion, Twist, components},
     geometry::Ball,
     interaction::Wrench,
-    mechanics::{BodyState, Inertia, Setup, system::level::Level},
+    setup::{Inertia, Setup},
     surface::Shape,
+    system::{BodyState, Level},
 };
 
 /// The bodies of a setup in a step: rates of change of their motions are `rate` times the new one and a history, over time.

@@ -5,12 +5,13 @@ use nalgebra::SVector;
 use crate::{
     error::Result,
     grid::Grid,
-    mechanics::system::{
+    petsc::Vector,
+    system::{
+        Level,
         bodies::BodyTypes,
-        level::{CORE, Level},
+        level::CORE,
         points::{Point, within},
     },
-    petsc::Vector,
 };
 
 /// Distance from a surface, in cells, up to which viscous fluxes are of fourth order.

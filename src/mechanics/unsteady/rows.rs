@@ -20,12 +20,8 @@ use super::{
 use crate::{
     error::Result,
     grid::{Grid, Index, Node, operators::signed},
-    mechanics::system::{
-        bodies::BodyTypes,
-        level::{Extended, Level},
-        points::Point,
-    },
     petsc::{Scatter, Vector, WantedRun},
+    system::{Level, bodies::BodyTypes, level::Extended, points::Point},
 };
 
 /// Rate at which the inside is drawn to the rigid motion, over that of viscosity and convection across a cell.

@@ -7,10 +7,11 @@ use nalgebra::SVector;
 use super::Granular;
 use crate::{
     body::{Twist, components, skew},
-    contact::{Contact, ContactForce, ContactWrench, Identity, pack, packed_length, unpack},
+    contact::{Contact, ContactForce, Identity, pack, packed_length, unpack},
+    friction::ContactWrench,
     geometry::{Ball, Domain},
-    mechanics::{ContactHistory, State},
     parallel::Peers,
+    setup::{ContactHistory, State},
 };
 
 /// All bodies, by number.

@@ -14,9 +14,9 @@ use crate::{
     body::{Halo, RigidFunctional, Row},
     interaction::{Conserved, Interactions, Spring},
     linalg::Skyline,
-    mechanics::State,
     motion::StepAhead,
     parallel::Peers,
+    setup::State,
 };
 
 /// Least part of a force that is implicit: second order in time where springs are resolved.

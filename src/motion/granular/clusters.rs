@@ -9,11 +9,12 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use crate::{
     body::{Halo, Twist, components, planes, skew},
-    contact::{RIGID, RigidBalls, RigidTwists},
+    contact::{RIGID, RigidBalls},
+    friction::RigidTwists,
     interaction::Cluster,
-    mechanics::{State, state::turn},
     motion::clusters::{inertia, moment, spin_of, unit},
     parallel::Peers,
+    setup::{State, state::turn},
 };
 
 /// Corrections of the spin half way: one makes it of second order.

@@ -7,12 +7,13 @@ use nalgebra::{SMatrix, SVector};
 use super::Granular;
 use crate::{
     body::Twist,
-    contact::{FRICTION_TOLERANCE, FrictionProjection, FrictionShare, Problem, ProblemShare, SurfaceFriction, project_with_friction},
+    contact::{FRICTION_TOLERANCE, Problem, ProblemShare},
     error::{Error, Result},
+    friction::{FrictionProjection, FrictionShare, SurfaceFriction, project_with_friction},
     interaction::Touch,
-    mechanics::State,
     motion::stepper::{Effort, StepOutcome},
     petsc::{Stage, enter},
+    setup::State,
 };
 
 impl<const D: usize> Granular<D> {

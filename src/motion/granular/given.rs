@@ -1,7 +1,7 @@
 //! Granular bodies whose motion is given: by the scene, or by the wall that they are fixed to.
 
 use super::Granular;
-use crate::mechanics::{GivenPlace, State, WallMotion};
+use crate::setup::{GivenPlace, State, WallMotion};
 
 impl<const D: usize> Granular<D> {
     /// Where bodies of given motion are at a time, by their numbers; some may be those of other ranks.

@@ -10,13 +10,14 @@ use nalgebra::SVector;
 use super::{Granular, all_bodies::AllBodies, chains::GranularStep, pressed_wall::PressedWall, velocities};
 use crate::{
     body::{Regions, Twist},
-    contact::{ContactForce, FrictionShare, KktReport, LoadedWall, Problem, ProblemShare, bodies_of, project_share, project_with_friction},
+    contact::{ContactForce, KktReport, LoadedWall, Problem, ProblemShare, bodies_of, project_share},
     error::Result,
+    friction::{FrictionShare, project_with_friction},
     geometry::Ball,
-    mechanics::{ContactHistory, State, WallMotion},
     motion::stepper::{Effort, StepOutcome},
     parallel::Peers,
     petsc::{Stage, enter},
+    setup::{ContactHistory, State, WallMotion},
 };
 
 /// Motions of all bodies, the wall last, with the forces of contacts.

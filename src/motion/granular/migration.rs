@@ -7,8 +7,8 @@ use crate::{
     body::{Regions, components, skew},
     contact::{AdhesiveContact, ContactForce, Identity, ProjectionShare, bodies_of, pack, packed_length, renamed, unpack},
     geometry::Domain,
-    mechanics::{ContactHistory, Moving, Share, State},
     parallel::Peers,
+    setup::{ContactHistory, Moving, Share, State},
 };
 
 /// What stays the same of a granular body on its way.

@@ -42,10 +42,11 @@ use crate::{
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::{Arrangement, Interactions},
-    mechanics::{Moving, ResidualMonitor, State},
     parallel::Peers,
     petsc::{Session, Stage, enter},
     scene::Scheme,
+    setup::{Moving, State},
+    system::ResidualMonitor,
 };
 
 /// Rounds that bonds and contacts are given to agree.

@@ -5,8 +5,8 @@ use crate::{
     contact::{AdhesiveContact, ContactForce, renamed},
     geometry::{Ball, Domain},
     interaction::Arrangement,
-    mechanics::State,
     parallel::Peers,
+    setup::State,
 };
 
 /// The own bodies of a rank and all others within reach, by their places in a halo.

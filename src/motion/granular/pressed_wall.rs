@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::setup::WallLoad;
-use crate::{mechanics::WallMotion, motion::step_control::BodyMotion};
+use crate::{motion::step_control::BodyMotion, setup::WallMotion};
 
 /// A wall under a load on its way.
 pub struct PressedWall {

@@ -16,11 +16,9 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::{
-        Contact, ContactForce, ContactWrench, FrictionIsland, FrictionLaw, FrictionReport, Identity, Problem, RigidTwists, TiedFriction,
-        contacts_on_the_way,
-    },
-    mechanics::State,
+    contact::{Contact, ContactForce, FrictionReport, Identity, Problem},
+    friction::{ContactWrench, FrictionIsland, FrictionLaw, RigidTwists, TiedFriction, contacts_on_the_way},
+    setup::State,
 };
 
 /// Rounds that ties and friction are given, and the change of places in a step, in radii of the smallest body, that is none.

@@ -6,7 +6,7 @@ use crate::{
     body::{Trajectories, Twist},
     geometry::Domain,
     interaction::Interactions,
-    mechanics::{State, WallMotion},
+    setup::{State, WallMotion},
 };
 
 /// A body without a fluid.

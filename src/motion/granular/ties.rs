@@ -11,10 +11,11 @@ use super::{
 };
 use crate::{
     body::{Row, Twist},
-    contact::{RigidBalls, RigidTwists},
+    contact::RigidBalls,
+    friction::RigidTwists,
     interaction::Interactions,
-    mechanics::State,
     parallel::Peers,
+    setup::State,
 };
 
 /// The ties of the bodies of this rank.

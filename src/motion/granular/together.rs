@@ -10,9 +10,10 @@ use super::ties::Ties;
 use crate::{
     body::{RigidFunctional, Row},
     contact::{
-        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, RigidTwists, TiedContact, TiedProblem, bodies_of, pack,
-        packed_length, renamed, unpack,
+        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, TiedContact, TiedProblem, bodies_of, pack, packed_length,
+        renamed, unpack,
     },
+    friction::RigidTwists,
     geometry::{Ball, Domain},
     parallel::Peers,
 };

@@ -7,8 +7,8 @@ use crate::{
     body::Twist,
     contact::{AdhesiveContact, bodies_of},
     interaction::Wrench,
-    mechanics::{ContactHistory, Moving, State},
     parallel::Peers,
+    setup::{ContactHistory, Moving, State},
 };
 
 /// Rates at which a motion changes.

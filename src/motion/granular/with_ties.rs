@@ -10,8 +10,8 @@ use crate::{
     contact::{ContactForce, KktReport, ProjectionShare},
     error::Result,
     interaction::Touch,
-    mechanics::State,
     motion::stepper::{Effort, StepOutcome},
+    setup::State,
 };
 
 impl<const D: usize> Granular<D> {

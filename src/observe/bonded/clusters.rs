@@ -5,8 +5,8 @@ use nalgebra::{SMatrix, SVector};
 use super::chains::in_space;
 use crate::{
     interaction::{Cluster, Interactions},
-    mechanics::State,
     parallel::World,
+    setup::State,
 };
 
 /// The mean of `p p` over all clusters, `p` being the unit vector along the longest axis of each; of one cluster it is the orientation itself. Nothing

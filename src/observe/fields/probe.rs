@@ -10,7 +10,8 @@ use crate::{
     error::Result,
     geometry::Domain,
     grid::Grid,
-    mechanics::{FlowSolver, ScalarSetup, ScalarSolution, Solution},
+    mechanics::{FlowSolver, ScalarSetup, ScalarSolution},
+    system::Solution,
 };
 
 /// Values at points.

@@ -11,9 +11,11 @@ use crate::{
     error::Result,
     flow::Drive,
     geometry::Ball,
-    mechanics::{FlowSolver, Setup, Solution},
+    mechanics::FlowSolver,
     observe::{Shear, species, species_of, velocities, vorticity_at},
     scene::{AffineFlow, Colour, Scene},
+    setup::Setup,
+    system::Solution,
 };
 
 /// Cuts a solution at an instant with these contacts; collective, and the same on every rank.

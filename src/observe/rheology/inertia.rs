@@ -8,13 +8,14 @@ use crate::{
     flow::fastest,
     geometry::{Axis, Ball},
     grid::{Grid, operators::signed},
-    mechanics::{BodyState, Inertia, Setup, Solution, SuspendedBody},
     observe::{
         fields::cells::{CellCenters, visit_inside},
         shear::Shear,
     },
     petsc::Vector,
+    setup::{Inertia, Setup, SuspendedBody},
     surface::Shape,
+    system::{BodyState, Solution},
 };
 
 /// The time in which a sphere follows the fluid, `(2/9) density radius^2 / viscosity`, over that in which it moves by its radius, is the ninth part of its

@@ -24,9 +24,11 @@ use crate::{
     geometry::Ball,
     grid::Grid,
     interaction::PairForce,
-    mechanics::{Setup, Solution, load_stress},
+    mechanics::load_stress,
     observe::{fields::cells::visit_inside, shear::Shear},
     scene::ConstraintMethod,
+    setup::Setup,
+    system::Solution,
 };
 
 /// Cells between the surface of a body and those whose pressure counts as that of its inside.

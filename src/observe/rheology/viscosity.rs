@@ -12,8 +12,9 @@ use crate::{
     error::Result,
     flow::Drive,
     grid::Grid,
-    mechanics::{Setup, Solution, SuspendedBody},
     observe::shear::Shear,
+    setup::{Setup, SuspendedBody},
+    system::Solution,
 };
 
 /// Difference of the shear stresses of two walls, over viscosity and rate, that is none.

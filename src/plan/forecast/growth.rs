@@ -5,11 +5,7 @@ use std::time::Instant;
 use rustfft::{FftPlanner, num_complex::Complex};
 
 use super::sample::SAMPLE;
-use crate::{
-    flow::InverseMethod,
-    grid::cells_along,
-    mechanics::{Cost, Setup},
-};
+use crate::{flow::InverseMethod, grid::cells_along, setup::Setup, system::Cost};
 
 /// Iterations grow with this power of the number of bodies.
 ///

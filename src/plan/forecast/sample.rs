@@ -5,7 +5,7 @@ use nalgebra::SVector;
 use crate::{
     body::pack,
     geometry::Domain,
-    mechanics::{Inertia, Setup, SuspendedBody},
+    setup::{Inertia, Setup, SuspendedBody},
 };
 
 /// Bodies of a sample.

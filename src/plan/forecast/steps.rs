@@ -6,11 +6,13 @@ use std::time::Instant;
 
 use crate::{
     error::Result,
-    mechanics::{Cost, FlowSolver, Setup},
+    mechanics::FlowSolver,
     motion::Simulation,
     petsc::Session,
     plan::flow_solver,
     scene::{Step, TimeSection},
+    setup::Setup,
+    system::Cost,
 };
 
 /// Steps of a sample at most, at least, and seconds after which it takes no further one.

@@ -2,13 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    body::components,
-    error::Result,
-    flow::Drive,
-    mechanics::{FlowSolver, Setup, Solution},
-    observe,
-};
+use crate::{body::components, error::Result, flow::Drive, mechanics::FlowSolver, observe, setup::Setup, system::Solution};
 
 /// Something that a solve answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

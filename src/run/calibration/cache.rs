@@ -10,10 +10,11 @@ use super::{
 };
 use crate::{
     error::Result,
-    mechanics::{FlowSolver, Solution},
+    mechanics::FlowSolver,
     output::{AccuracySummary, EstimatedErrors, Summary, write_whole},
     parallel::World,
     scene::{FlowModel, Scene},
+    system::Solution,
 };
 
 /// Name of the file.

@@ -9,11 +9,13 @@ use super::{
 use crate::{
     error::{Error, Result},
     geometry::near_walls,
-    mechanics::{FlowSolver, Setup, Solution, Suspension},
+    mechanics::{FlowSolver, Suspension},
     output::Progress,
     petsc::Session,
     plan::Plan,
     scene::Scene,
+    setup::Setup,
+    system::Solution,
 };
 
 /// Cells per radius of the second grid and of the third.

@@ -10,10 +10,11 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    mechanics::{FlowSolver, Solution},
+    mechanics::FlowSolver,
     motion::{Observation, Simulation},
     petsc::Session,
     scene::Scene,
+    system::Solution,
 };
 
 /// What a whole run has answered.

@@ -17,15 +17,14 @@ use crate::{
     fitted::PlaneTwist,
     grid::Grid,
     interaction::Wrench,
-    mechanics::{
-        ContactHistory, ExtrapolationHistory, FlowSolver, FoundShear, History, HistoryView, Level, MeshLevel, Moving, Share, Snapshot,
-        State, WallMotion,
-    },
+    mechanics::{FlowSolver, History, HistoryView, MeshLevel},
     motion::Simulation,
     output::{CHECKPOINT, Checkpoint, CheckpointWriter},
     parallel::World,
     petsc::{Session, Vector},
     run::{BeforeStep, Output, RunStatistics},
+    setup::{ContactHistory, FoundShear, Moving, Share, State, WallMotion},
+    system::{ExtrapolationHistory, Level, Snapshot},
 };
 
 /// Names of the arrays of a solution.

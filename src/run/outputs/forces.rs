@@ -11,13 +11,13 @@ use super::step_table::StepTable;
 use crate::{
     body::components,
     error::Result,
-    mechanics::BodyState,
     motion::Simulation,
     observe::{ForceCoefficients, Stream},
     output::{AXES, Summary},
     parallel::World,
     run::{FlowView, Output, View},
     scene::{MOST_WITH_FORCES, Scene},
+    system::BodyState,
 };
 
 const NAME: &str = "forces.csv";

@@ -15,13 +15,13 @@ use crate::{
     error::{Error, Result},
     grid::Grid,
     linalg::ROUNDING,
-    mechanics::State,
     motion::Simulation,
     output::{Frame, FrameBond, FrameContact, FrameCorner, FrameFace, FrameMembranes, Frames, Summary, note},
     parallel::World,
     petsc::Vector,
     run::{MotionView, Output, View},
     scene::{ContactModel, Scene},
+    setup::State,
 };
 
 /// Files that show the frames.

@@ -54,7 +54,7 @@ impl<const D: usize> Output<D> for InstantFrame {
 /// All bodies, which every rank knows, on the first rank; none elsewhere.
 fn bodies<const D: usize>(world: &World, flow: &FlowView<D>) -> Vec<FrameBody<D>> {
     let all = flow.solver.setup().bodies.iter().zip(&flow.solution.bodies).enumerate();
-    let body = |(number, (suspended, state)): (usize, (&crate::mechanics::SuspendedBody<D>, &crate::mechanics::BodyState<D>))| FrameBody {
+    let body = |(number, (suspended, state)): (usize, (&crate::setup::SuspendedBody<D>, &crate::system::BodyState<D>))| FrameBody {
         number,
         center: state.center,
         radius: suspended.body.ball.radius,

@@ -9,11 +9,11 @@ use std::{
 
 use crate::{
     error::{Error, Result},
-    mechanics::State,
     motion::StepReport,
     output::{LOG, MeanViscosity, Summary, date, duration, note},
     parallel::{Machine, World},
     run::{Output, View, command},
+    setup::State,
 };
 
 /// Seconds between lines, at least.

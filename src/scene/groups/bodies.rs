@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use toml_edit::Value;
 
 use crate::body::{TOO_FEW, misplaced};
-use crate::contact::FrictionLaw;
 use crate::error::Result;
+use crate::friction::FrictionLaw;
 use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
 use crate::scene::groups::chains::{self, Chain, ChainShape};

@@ -1,10 +1,10 @@
 //! What happens between bodies of a scene that are close.
 
-use crate::contact::{FRICTION_TOLERANCE, FrictionLaw};
 use crate::error::Result;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::table::Table;
+use crate::{contact::FRICTION_TOLERANCE, friction::FrictionLaw};
 
 /// Keys of `[contact]`.
 pub(in crate::scene) const KEYS: [Key; 8] = [

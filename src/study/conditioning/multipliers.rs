@@ -12,9 +12,10 @@ use crate::{
     error::Result,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
-    mechanics::{Setup, SuspendedBody, Suspension},
+    mechanics::Suspension,
     petsc::Session,
     scene::{ConstraintMethod, Tolerance},
+    setup::{Setup, SuspendedBody},
 };
 
 /// Cells per side of the box.

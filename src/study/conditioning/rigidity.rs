@@ -7,9 +7,10 @@ use super::multipliers::{one, periodic};
 use crate::{
     body::Motion,
     error::Result,
-    mechanics::{Setup, Suspension},
+    mechanics::Suspension,
     petsc::Session,
     scene::{ConstraintMethod, MultiplierSolver},
+    setup::Setup,
 };
 
 /// Cells per side of the box.

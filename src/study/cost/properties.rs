@@ -3,8 +3,9 @@
 use crate::{
     error::Result,
     geometry::Domain,
-    mechanics::{ScalarSetup, Setup},
+    mechanics::ScalarSetup,
     scene::{BodyGroup, FlowModel, Scene},
+    setup::Setup,
 };
 
 /// Box and bodies of a scene.

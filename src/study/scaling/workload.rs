@@ -8,10 +8,10 @@ use crate::{
     flow::{InverseMethod, Transposes},
     geometry::Domain,
     grid::{Block, Grid},
-    mechanics::Setup,
     motion::GranularSetup,
     output::Spread,
     scene::Scene,
+    setup::Setup,
 };
 
 /// Exchanges of a multigrid cycle on each level: two relaxations, residual, restriction, interpolation.

@@ -65,7 +65,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::{mechanics::Setup, plan::Plan, scene::Scene};
+    use crate::{plan::Plan, scene::Scene, setup::Setup};
 
     #[test]
     fn scenes_have_the_fraction_that_is_asked_for() {

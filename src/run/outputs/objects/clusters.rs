@@ -7,9 +7,9 @@ use super::table::{Entry, ObjectRow, Objects, opened, vector};
 use super::turns::AngleColumns;
 use crate::{
     interaction::Cluster,
-    mechanics::Moving,
     observe::{aspect_ratio, longest_axis},
     run::View,
+    setup::Moving,
 };
 
 /// The clusters of a run.

@@ -197,7 +197,7 @@ impl<const D: usize> Bodies<D> {
             }
             (None, Some(flow)) => {
                 let radii = flow.solver.setup().bodies.iter().map(|own| own.body.ball.radius);
-                let body = |(state, radius): (&crate::mechanics::BodyState<D>, f64)| ProfileBody {
+                let body = |(state, radius): (&crate::system::BodyState<D>, f64)| ProfileBody {
                     ball: Ball { center: state.center, radius },
                     velocity: state.twist.velocity,
                     spin: state.twist.spin,
