@@ -10,10 +10,14 @@ use crate::output::say;
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n", env!("TURBID_LIBRARIES"), "\n", env!("TURBID_BUILD"));
 
 /// Prints a script that completes the words of a program's command line in a shell.
-pub fn completions(mut program: Command, shell: Shell) -> Result<()> {
+pub fn completions(program: Command, shell: Shell) -> Result<()> {
+    say(script(program, shell).trim_end())
+}
+
+fn script(mut program: Command, shell: Shell) -> String {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut program, "turbid", &mut script);
-    say(String::from_utf8_lossy(&script).trim_end())
+    String::from_utf8_lossy(&script).into_owned()
 }
 
 /// Prints the manual page of a command of a program, or that of the program.
@@ -55,6 +59,14 @@ mod tests {
         assert!(page(Arguments::command(), Some("run")).unwrap().contains("Override a key of the scene"));
         let refusal = page(Arguments::command(), Some("fly")).unwrap_err().to_string();
         assert!(refusal.starts_with("fly: no such command; commands: run, ") && !refusal.contains("man,"), "{refusal}");
+    }
+
+    #[test]
+    fn completions_know_the_commands() {
+        for shell in [Shell::Bash, Shell::Fish, Shell::Zsh] {
+            let script = script(Arguments::command(), shell);
+            assert!(script.contains("turbid") && script.contains("doctor"), "{shell}");
+        }
     }
 
     #[test]
