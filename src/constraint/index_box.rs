@@ -41,9 +41,11 @@ impl<const D: usize> IndexBox<D> {
         reach: f64,
         limits: impl Fn(usize) -> (isize, isize),
     ) -> IndexBox<D> {
+        let center = grid.straightened(*center);
+        let reach = |axis: usize| if axis == 0 { reach * (1.0 + grid.slope().abs()) } else { reach };
         let place = |axis: usize, x: f64| x / grid.spacing()[axis] - grid.stagger(field, axis);
-        let mut start: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] - reach).floor() as isize);
-        let mut end: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] + reach).ceil() as isize + 1);
+        let mut start: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] - reach(axis)).floor() as isize);
+        let mut end: Index<D> = std::array::from_fn(|axis| place(axis, center[axis] + reach(axis)).ceil() as isize + 1);
         for axis in (0..D).filter(|&axis| !grid.domain().periodic(axis)) {
             let (first, beyond) = limits(axis);
             start[axis] = start[axis].max(first);

@@ -153,6 +153,17 @@ impl Protocol {
         }
     }
 
+    /// The first time after a time at which an oscillation turns; infinite for other protocols.
+    pub fn next_turn(&self, time: f64) -> f64 {
+        match self {
+            Protocol::Oscillation { frequency, .. } => {
+                let half_cycles = 2.0 * time * frequency - 0.5;
+                (0.5 + (half_cycles + SAME * (1.0 + half_cycles.abs())).floor() + 1.0) / (2.0 * frequency)
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Whether the rate jumps after a time, up to another.
     pub fn jumps_between(&self, after: f64, time: f64) -> bool {
         self.next_jump(after) <= time * (1.0 + SAME)
@@ -240,6 +251,15 @@ mod tests {
                 assert!((protocol.scaled(3.0).passed(time) - 3.0 * protocol.passed(time)).abs() < 1e-14);
             }
         }
+    }
+
+    #[test]
+    fn an_oscillation_turns_twice_a_cycle() {
+        let turns = Protocol::Oscillation { amplitude: 0.35, frequency: 2.0 };
+        for (time, turn) in [(0.0, 0.125), (0.125, 0.375), (0.3, 0.375), (0.4, 0.625)] {
+            assert!((turns.next_turn(time) - turn).abs() < 1e-12, "{time}");
+        }
+        assert_eq!(Protocol::Steady(1.0).next_turn(0.0), f64::INFINITY);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use nalgebra::SVector;
 
 use super::{
     staggered::{Grid, Index},
-    stencil::{Site, Term, moved, wall_between},
+    stencil::{Site, Term, moved, oblique_difference, wall_between},
 };
 
 /// Weights in the slope at a wall of the value there and of those at the nodes half a cell and one and a half away, over the spacing.
@@ -21,6 +21,7 @@ pub fn curl<const D: usize>(grid: &Grid<D>, (row, column): (usize, usize), index
 
 /// Visits the terms of the curl in a plane at a point (not wrapped; between the walls): linear between the corners.
 pub fn curl_at<const D: usize>(grid: &Grid<D>, plane: (usize, usize), point: &SVector<f64, D>, mut visit: impl FnMut(Term<D>)) {
+    let point = grid.straightened(*point);
     let lines: [(isize, f64); D] = std::array::from_fn(|axis| {
         let on_corners = axis == plane.0 || axis == plane.1;
         let place = point[axis] / grid.spacing()[axis] - if on_corners { 0.0 } else { 0.5 };
@@ -45,7 +46,8 @@ fn slope<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, index: Index
     let wall = lower.or_else(|| wall_between(grid, field, axis, index).map(|wall| (wall, index, -1)));
     let Some(((plane, velocity), beyond, inward)) = wall else {
         visit(lattice(index, weight));
-        return visit(lattice(before, -weight));
+        visit(lattice(before, -weight));
+        return oblique_difference(grid, field, axis, (before, index)).for_each(visit);
     };
     let weights = AT_WALL.map(|part| part * weight * inward as f64);
     let mut position = grid.position(field, index);

@@ -27,6 +27,7 @@ pub struct Line {
 
 /// Visits the `4^D` terms that interpolate component `component` at `point` (not wrapped; between the walls).
 pub fn velocity<const D: usize>(grid: &Grid<D>, component: usize, point: &SVector<f64, D>, mut visit: impl FnMut(Term<D>)) {
+    let point = grid.straightened(*point);
     let lines: [Line; D] = std::array::from_fn(|axis| line(grid, component, axis, point[axis]));
     for combination in 0..NODES.pow(D as u32) {
         let choice: [usize; D] = std::array::from_fn(|axis| (combination >> (2 * axis)) % NODES);
@@ -37,6 +38,7 @@ pub fn velocity<const D: usize>(grid: &Grid<D>, component: usize, point: &SVecto
 
 /// Visits the nodes and weights that interpolate a scalar, held at cell centres and zero on walls, at `point` (not wrapped).
 pub fn scalar<const D: usize>(grid: &Grid<D>, point: &SVector<f64, D>, mut visit: impl FnMut(Index<D>, f64)) {
+    let point = grid.straightened(*point);
     let lines: [Line; D] = std::array::from_fn(|axis| line(grid, D, axis, point[axis]));
     for combination in 0..NODES.pow(D as u32) {
         let choice: [usize; D] = std::array::from_fn(|axis| (combination >> (2 * axis)) % NODES);
@@ -62,7 +64,7 @@ fn site<const D: usize>(grid: &Grid<D>, field: usize, lines: &[Line; D], choice:
     Site::Lattice { field, index }
 }
 
-/// The nodes along an axis for a point at `x` there, on the lattice of a field.
+/// The nodes along an axis for a point at `x` there, [straightened](Grid::straightened), on the lattice of a field.
 pub fn line<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, x: f64) -> Line {
     let (h, cells, stagger) = (grid.spacing()[axis], grid.cells()[axis] as isize, grid.stagger(field, axis));
     let mut first = (x / h - stagger).floor() as isize - 1;

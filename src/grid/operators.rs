@@ -34,7 +34,7 @@ pub fn shifted_laplacian<const D: usize>(session: &Session, grid: &Grid<D>, fiel
 pub fn gradient<const D: usize>(session: &Session, grid: &Grid<D>, axis: usize) -> Result<Matrix> {
     let mut rows = RowBuilder::default();
     for index in grid.block(axis).indices() {
-        stencil::gradient(grid, axis, signed(index)).into_iter().for_each(|term| push(grid, &mut rows, term));
+        stencil::gradient(grid, axis, signed(index)).for_each(|term| push(grid, &mut rows, term));
         rows.end_row();
     }
     Matrix::from_rows(session, grid.local_unknowns(D), rows)
@@ -44,7 +44,7 @@ pub fn gradient<const D: usize>(session: &Session, grid: &Grid<D>, axis: usize) 
 pub fn divergence<const D: usize>(session: &Session, grid: &Grid<D>, axis: usize) -> Result<Matrix> {
     let mut rows = RowBuilder::default();
     for index in grid.block(D).indices() {
-        stencil::divergence(grid, axis, signed(index)).into_iter().for_each(|term| push(grid, &mut rows, term));
+        stencil::divergence(grid, axis, signed(index)).for_each(|term| push(grid, &mut rows, term));
         rows.end_row();
     }
     Matrix::from_rows(session, grid.local_unknowns(axis), rows)

@@ -45,6 +45,10 @@ pub enum Node {
 /// Fields are numbered `0..D` (velocity components, on the faces normal to their axis) and `D` (pressure, at centres).
 /// Face `i` of an axis is the lower face of cell `i`; on a walled axis the faces 0 and n lie on the walls and carry no unknown.
 /// In the vector of a field each rank's block is contiguous; in a *fluid vector* each rank holds its parts of all fields in order.
+///
+/// Where images slide, a row of cells above the box must be a row of the box displaced by whole cells. What the images are displaced by besides, half a cell at
+/// most, is spread over the height of the box on a grid that may be [oblique](Self::oblique), as in boxes that are deformed (Evans and
+/// Morriss 2008, doi:10.1017/CBO9780511535307, chapter 6), and derivatives along y are those along the lines less the slope times those along x.
 #[derive(Debug, Clone)]
 pub struct Grid<const D: usize> {
     domain: Domain<D>,
@@ -52,6 +56,10 @@ pub struct Grid<const D: usize> {
     spacing: SVector<f64, D>,
     /// Cells by which the images above the box are displaced along x, from none to less than all.
     shift: usize,
+    /// Whether its lines along y may be oblique, so that images may be displaced by parts of a cell.
+    may_be_oblique: bool,
+    /// The slope of these lines, along x over y: what images are displaced by besides whole cells, at most half a cell over the height of the box.
+    slope: f64,
     partition: Partition<D>,
     rank: usize,
     /// `blocks[rank][field]`
@@ -69,6 +77,18 @@ impl<const D: usize> Grid<D> {
     /// Fewer than four cells along an axis, more unknowns than PETSc's indices can number, more of them on a rank than it can count, a rank
     /// count that does not fit, or images displaced by a part of a cell.
     pub fn new(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
+        Grid::with(domain, spacing, (ranks, rank), false)
+    }
+
+    /// The same, with lines along y that are oblique where images are displaced by parts of a cell.
+    ///
+    /// # Errors
+    /// The same, but for such images.
+    pub fn oblique(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
+        Grid::with(domain, spacing, (ranks, rank), true)
+    }
+
+    fn with(domain: &Domain<D>, spacing: f64, (ranks, rank): (usize, usize), may_be_oblique: bool) -> Result<Grid<D>> {
         let cells: [usize; D] = cells_along(&domain.size, spacing).map(|cells| cells as usize).into();
         check_size(cells, spacing)?;
         let partition = Partition::new(cells, ranks)?;
@@ -77,16 +97,41 @@ impl<const D: usize> Grid<D> {
             (0..ranks).map(|rank| (0..=D).map(|field| field_block(domain, partition.block(rank), field)).collect()).collect();
         let (field_starts, fluid_starts) = starts(&blocks);
         let spacing = SVector::from_fn(|axis, _| domain.size[axis] / cells[axis] as f64);
-        let shift = whole_shift(domain, cells[0], spacing[0])?;
-        Ok(Grid { domain: domain.clone(), cells, spacing, shift, partition, rank, blocks, field_starts, fluid_starts })
+        let (shift, slope) = shift_and_slope(domain, cells[0], spacing[0], may_be_oblique)?;
+        let domain = domain.clone();
+        Ok(Grid { domain, cells, spacing, shift, may_be_oblique, slope, partition, rank, blocks, field_starts, fluid_starts })
     }
 
     /// The same grid after its images have slid to where they are in `domain`.
     ///
     /// # Errors
-    /// They are displaced by a part of a cell.
+    /// They are displaced by a part of a cell, and the grid may not be oblique.
     pub fn slid(&self, domain: &Domain<D>) -> Result<Grid<D>> {
-        Ok(Grid { domain: domain.clone(), shift: whole_shift(domain, self.cells[0], self.spacing[0])?, ..self.clone() })
+        let (shift, slope) = shift_and_slope(domain, self.cells[0], self.spacing[0], self.may_be_oblique)?;
+        Ok(Grid { domain: domain.clone(), shift, slope, ..self.clone() })
+    }
+
+    /// Whether its lines along y may be oblique.
+    pub fn may_be_oblique(&self) -> bool {
+        self.may_be_oblique
+    }
+
+    /// The slope of its lines along y, along x over y; 0 where they are upright.
+    pub fn slope(&self) -> f64 {
+        self.slope
+    }
+
+    /// Whether it lies as another one of the same box: nodes are in the same places, and images too.
+    pub fn lies_as(&self, other: &Grid<D>) -> bool {
+        self.shift == other.shift && self.slope == other.slope
+    }
+
+    /// A point in coordinates in which lines along y are straight: along x its distance from that through the origin.
+    pub fn straightened(&self, mut point: SVector<f64, D>) -> SVector<f64, D> {
+        if self.slope != 0.0 {
+            point[0] -= self.slope * point[1];
+        }
+        point
     }
 
     /// Velocity of the frame in which convection at a point is told: in a sheared box that of the image of the box whose bottom is nearest, so that
@@ -180,7 +225,24 @@ impl<const D: usize> Grid<D> {
 
     /// Where a field's value at a lattice index lies in space, not wrapped into the box.
     pub fn position(&self, field: usize, index: Index<D>) -> SVector<f64, D> {
-        SVector::from_fn(|axis, _| (index[axis] as f64 + self.stagger(field, axis)) * self.spacing[axis])
+        self.at_straightened(SVector::from_fn(|axis, _| (index[axis] as f64 + self.stagger(field, axis)) * self.spacing[axis]))
+    }
+
+    /// Where the centre of a cell, or of its image, lies if the cells of the box are drawn along the axes, whether the grid is oblique or not.
+    pub fn upright_center(&self, cell: Index<D>) -> SVector<f64, D> {
+        let mut center = SVector::from_fn(|axis, _| (cell[axis] as f64 + 0.5) * self.spacing[axis]);
+        if self.slope != 0.0 {
+            center[0] += self.slope * self.domain.size[1] * cell[1].div_euclid(self.cells[1] as isize) as f64;
+        }
+        center
+    }
+
+    /// The point whose [`straightened`](Self::straightened) coordinates these are.
+    pub fn at_straightened(&self, mut straight: SVector<f64, D>) -> SVector<f64, D> {
+        if self.slope != 0.0 {
+            straight[0] += self.slope * straight[1];
+        }
+        straight
     }
 
     /// The middle of this rank's cells.
@@ -264,6 +326,10 @@ impl<const D: usize> Grid<D> {
 
     /// The rank whose block holds a point of the box.
     pub fn owner(&self, point: &SVector<f64, D>) -> usize {
+        let mut point = self.straightened(*point);
+        if self.slope != 0.0 {
+            point[0] = point[0].rem_euclid(self.domain.size[0]);
+        }
         let cell = std::array::from_fn(|axis| ((point[axis] / self.spacing[axis]) as usize).min(self.cells[axis] - 1));
         self.partition.owner(cell)
     }
@@ -305,15 +371,20 @@ fn check_shares<const D: usize>(partition: &Partition<D>) -> Result<()> {
     )))
 }
 
-/// The cells of a displacement, which must be whole; whole turns of the box are left out.
-fn whole_shift<const D: usize>(domain: &Domain<D>, cells: usize, spacing: f64) -> Result<usize> {
+/// The cells of a displacement, without whole turns of the box, and the slope of lines that takes the part of a cell that is left over.
+fn shift_and_slope<const D: usize>(domain: &Domain<D>, cells: usize, spacing: f64, may_be_oblique: bool) -> Result<(usize, f64)> {
     let shift = domain.shift() / spacing;
-    if (shift - shift.round()).abs() > PART_OF_CELL * (1.0 + shift.abs()) {
-        return Err(Error::refused(format!(
-            "the images of a sheared box lie {shift} cells aside; only whole cells have stencils across the boundary: choose times at which they are"
-        )));
-    }
-    Ok(shift.round().rem_euclid(cells as f64) as usize)
+    let whole = shift.round();
+    let slope = match (shift - whole).abs() > PART_OF_CELL * (1.0 + shift.abs()) {
+        false => 0.0,
+        true if may_be_oblique => (shift - whole) * spacing / domain.size[1],
+        true => {
+            return Err(Error::refused(format!(
+                "the images of a sheared box lie {shift} cells aside; only whole cells have stencils across the boundary: choose times at which they are"
+            )));
+        }
+    };
+    Ok((whole.rem_euclid(cells as f64) as usize, slope))
 }
 
 fn field_block<const D: usize>(domain: &Domain<D>, cells: Block<D>, field: usize) -> Block<D> {

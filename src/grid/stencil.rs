@@ -43,10 +43,11 @@ pub const BESIDE_WALL: f64 = 0.75;
 /// the centre weighs minus the sum of the weights.
 ///
 /// A wall half a cell away enters a tangential component with weight `2/h^2` (the value beyond it is the reflected one);
-/// the pressure has no flux through walls.
+/// the pressure has no flux through walls. On an oblique grid, whose lines along y have the slope `e`, it is `(1 + e^2) d_x^2 - 2 e d_x d_y + ..` along the lines.
 pub fn laplacian<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>, mut visit: impl FnMut(Term<D>)) {
+    let slope = grid.slope();
     for axis in 0..D {
-        let weight = grid.spacing()[axis].powi(-2);
+        let weight = grid.spacing()[axis].powi(-2) * if axis == 0 { 1.0 + slope * slope } else { 1.0 };
         for side in [-1, 1] {
             let neighbour = moved(index, axis, side);
             match wall_between(grid, field, axis, neighbour) {
@@ -60,14 +61,22 @@ pub fn laplacian<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>, 
             }
         }
     }
+    if slope != 0.0 {
+        let weight = -0.5 * slope / (grid.spacing()[0] * grid.spacing()[1]);
+        for (along_x, along_y) in [(-1, -1), (1, 1), (-1, 1), (1, -1)] {
+            let corner = moved(moved(index, 0, along_x), 1, along_y);
+            visit(Term { site: Site::Lattice { field, index: corner }, weight: weight * (along_x * along_y) as f64 });
+        }
+    }
 }
 
 /// The derivative along `axis` of the pressure at face `index` of that axis, less a quarter for each wall half a cell away.
 ///
 /// On a wall `mu u_nn = p_t` for velocities along it. The value beyond it, `2 u_w - u_0 + h^2/4 u_nn`, is the reflected one, as
 /// [`laplacian`] takes it, and what the flow bends, which is put here: so the Laplacian stays symmetric, and no part of the mean momentum is lost.
-pub fn gradient<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> [Term<D>; 2] {
-    difference(grid, axis, index, left_beside_walls(grid, axis, index))
+pub fn gradient<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> impl Iterator<Item = Term<D>> + use<D> {
+    let along = difference(grid, axis, index, left_beside_walls(grid, axis, index));
+    along.into_iter().chain(oblique_difference(grid, D, axis, (moved(index, axis, -1), index)))
 }
 
 /// What is left at a face of `axis` of any uniform force or gradient of the pressure along it: [`BESIDE_WALL`] at one wall.
@@ -132,10 +141,26 @@ pub fn wall_row<const D: usize>(
 }
 
 /// The derivative along `axis` of the velocity component along it at the centre of cell `index`.
-pub fn divergence<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> [Term<D>; 2] {
+pub fn divergence<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> impl Iterator<Item = Term<D>> + use<D> {
     let weight = 1.0 / grid.spacing()[axis];
-    let term = |shift, weight| Term { site: Site::Lattice { field: axis, index: moved(index, axis, shift) }, weight };
-    [term(0, -weight), term(1, weight)]
+    let (lower, upper) = (index, moved(index, axis, 1));
+    let term = |index, weight| Term { site: Site::Lattice { field: axis, index }, weight };
+    [term(lower, -weight), term(upper, weight)].into_iter().chain(oblique_difference(grid, axis, axis, (lower, upper)))
+}
+
+/// What a difference along `axis`, between two neighbours of a field, lacks of a derivative along that axis on oblique grids: along y, minus the slope
+/// times the mean of the derivatives along x at both.
+pub(super) fn oblique_difference<const D: usize>(
+    grid: &Grid<D>,
+    field: usize,
+    axis: usize,
+    (lower, upper): (Index<D>, Index<D>),
+) -> impl Iterator<Item = Term<D>> + use<D> {
+    let weight = 0.25 * grid.slope() / grid.spacing()[0];
+    let oblique = axis == 1 && weight != 0.0;
+    let sides = [(lower, -1, weight), (lower, 1, -weight), (upper, -1, weight), (upper, 1, -weight)];
+    let term = move |(index, along_x, weight)| Term { site: Site::Lattice { field, index: moved(index, 0, along_x) }, weight };
+    sides.into_iter().filter(move |_| oblique).map(term)
 }
 
 /// The index `steps` further along `axis`.

@@ -51,8 +51,11 @@ pub struct BodyMotion<const D: usize> {
 /// What limits a step besides the motions of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepLimits {
-    /// The longest one that flow and given motions allow; only automatic steps heed it.
+    /// The longest one with which the flow is stable; only automatic steps heed it.
     pub stable: f64,
+    /// The longest one that is as exact as is asked for; only automatic steps heed it, and where images slide these are no shorter for it than what takes the
+    /// images to whole cells.
+    pub accurate: f64,
     /// The longest one to try, as a longer one from the same state led nowhere; infinite at first.
     pub tried: f64,
 }
@@ -80,11 +83,11 @@ impl StepControl {
         peers: Peers,
         motions: &[BodyMotion<D>],
         (time, last_step): (f64, f64),
-        StepLimits { stable, tried }: StepLimits,
+        StepLimits { stable, accurate, tried }: StepLimits,
     ) -> StepSize {
         let left = self.time.end - time;
         let natural = match self.time.step {
-            Step::Fixed(step) if self.changing().is_some() => self.whole(time, step.min(tried), last_step),
+            Step::Fixed(step) if self.changing().is_some() && self.slides_whole_cells() => self.whole(time, step.min(tried), last_step),
             // the last step was cut short by the end, and not split
             Step::Fixed(step) if left <= ROUNDING * self.time.end => step.min(tried),
             Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
@@ -92,7 +95,8 @@ impl StepControl {
                 let longest =
                     self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(time, last_step) } else { self.time.end });
                 let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
-                self.whole(time, peers.min(limits.fold(longest, f64::min)), last_step)
+                let accurate = limits.fold(accurate, f64::min).max(self.to_whole_cells(time, last_step));
+                self.whole(time, peers.min(accurate.min(longest)), last_step)
             }
         };
         let natural = self.up_to_jump(time, natural);
@@ -106,14 +110,14 @@ impl StepControl {
         match self.time.step {
             Step::Fixed(_) => step,
             Step::Auto => {
-                let limited = step.min(reach);
+                let limited = step.min(reach.max(self.to_whole_cells(time, last_step)));
                 if limited < step || !self.by_twos { step.min(self.whole(time, limited, last_step)) } else { step }
             }
         }
     }
 
-    /// A step from a time half as long as one that led nowhere; none if that is the shortest. Where images slide, after a last step, it slides them by whole
-    /// cells.
+    /// A step from a time half as long as one that led nowhere; none if that is the shortest. Where images have to slide by whole cells, after a last step, it
+    /// does.
     pub fn half(&self, (time, last_step): (f64, f64), step: f64) -> Option<f64> {
         let least = if let Step::Fixed(whole) = self.time.step { SHORTEST_PART * whole * (1.0 - ROUNDING) } else { 0.0 };
         let Some(shift_period) = &self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
@@ -137,7 +141,17 @@ impl StepControl {
             return 2.0 * last_step;
         }
         // whole shift periods would never grow from one to two
-        (GROWTH * last_step).max(if self.shift_period.is_some() { last_step + self.shortest(time + last_step) } else { 0.0 })
+        let one_more = self.shift_period.as_ref().map_or(0.0, |period| period.one_cell(time + last_step));
+        if one_more > 0.0 && last_step >= one_more * (1.0 - ROUNDING) || self.shortest(time) > 0.0 {
+            return (GROWTH * last_step).max(last_step + one_more);
+        }
+        GROWTH * last_step
+    }
+
+    /// The shortest step from a time, after a last one, that accuracy asks for where the grid may be oblique: to the next whole cells.
+    fn to_whole_cells(&self, time: f64, last_step: f64) -> f64 {
+        let free = self.shift_period.as_ref().filter(|period| !period.required());
+        free.map_or(0.0, |period| period.to_whole(time, self.multiple(time, last_step)))
     }
 
     /// A step that keeps the shift period, if there is one; never shorter than the shortest that does.
@@ -158,17 +172,24 @@ impl StepControl {
         if self.by_twos || self.wanders() { 1.0 } else { ShiftPeriod::multiple(self.time.scheme, if anew { 0.0 } else { last_step }) }
     }
 
-    /// Whether images slide at a speed that changes all the time: the middle of a step then slides them by a part of a cell.
+    /// Whether the middle of a step is no instant: images slide at a speed that is to be found, or at one that changes all the time, which slides them by a part
+    /// of a cell until then, and they have to slide by whole ones.
     pub fn wanders(&self) -> bool {
-        matches!(self.changing(), Some(Protocol::Oscillation { .. } | Protocol::Stress { .. }))
+        match self.changing() {
+            Some(Protocol::Stress { .. }) => true,
+            Some(Protocol::Oscillation { .. }) => self.slides_whole_cells(),
+            _ => false,
+        }
+    }
+
+    /// Whether images have to slide by whole cells in every step.
+    fn slides_whole_cells(&self) -> bool {
+        self.shift_period.as_ref().is_some_and(ShiftPeriod::required)
     }
 
     /// The speed of images, where it changes.
     fn changing(&self) -> Option<&Protocol> {
-        match &self.shift_period {
-            Some(ShiftPeriod::Changing { protocol, .. }) => Some(protocol),
-            _ => None,
-        }
+        self.shift_period.as_ref().and_then(ShiftPeriod::protocol)
     }
 
     /// The shortest step from a time that slides images by whole cells; 0 where they stay.
@@ -222,11 +243,11 @@ mod tests {
 
     fn control(step: Step, shift_period: Option<f64>) -> StepControl {
         let time = TimeSection { step, end: 10.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
-        StepControl { time, shift_period: shift_period.map(ShiftPeriod::Steady), protocol: None, longest: f64::INFINITY, by_twos: false }
+        StepControl { time, shift_period: shift_period.map(ShiftPeriod::steady), protocol: None, longest: f64::INFINITY, by_twos: false }
     }
 
     fn next(control: &StepControl, time: f64, last_step: f64, tried: f64) -> f64 {
-        control.next::<2>(Peers::Alone, &[], (time, last_step), StepLimits { stable: f64::INFINITY, tried }).length
+        control.next::<2>(Peers::Alone, &[], (time, last_step), StepLimits { stable: f64::INFINITY, accurate: f64::INFINITY, tried }).length
     }
 
     #[test]
@@ -254,7 +275,7 @@ mod tests {
     #[test]
     fn half_a_step_after_a_jump_of_the_rate_has_a_middle() {
         let protocol = Protocol::steps(&[(1.0, 1.0), (2.0, -1.0)]);
-        let shift_period = Some(ShiftPeriod::Changing { protocol, cell: 0.1 });
+        let shift_period = Some(ShiftPeriod::changing(protocol, 0.1));
         let control = StepControl { shift_period, protocol: Some(protocol), ..control(Step::Auto, None) };
         let halves = [0.9, 1.0, 1.3].map(|time| control.half((time, 0.1), 0.7).map(|half| (half * 1e9).round() / 1e9));
         assert_eq!(halves, [Some(0.3), Some(0.2), Some(0.3)]);

@@ -31,11 +31,11 @@ impl<const D: usize> QuasiStatic<D> {
         let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(placed, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
         let stable = self.suspension.evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(pushes))?;
-        let stable = stable.min(given).min(moved);
+        let accurate = given.min(moved);
         // a fixed step that is half taken was not split
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
         let last_step = if whole && self.step_control.protocol.is_none() { 0.0 } else { self.last_step(state) };
-        let limits = StepLimits { stable, tried: tried.unwrap_or(f64::INFINITY) };
+        let limits = StepLimits { stable, accurate, tried: tried.unwrap_or(f64::INFINITY) };
         Ok(self.step_control.next::<D>(Peers::Alone, &[], (state.time, last_step), limits))
     }
 

@@ -116,13 +116,18 @@ fn shear<const D: usize>(domain: &Domain<D>) -> Option<String> {
 
 /// How the images of a sheared box go along.
 fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
-    let shift_period = ShiftPeriod::of(&setup.domain, grid);
-    shift_period.map_or(String::new(), |shift_period| match shift_period {
-        ShiftPeriod::Changing { .. } => "; images slide along by whole cells in every step".into(),
-        ShiftPeriod::Steady(_) => {
-            format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", shift_period.shortest(0.0))
+    let Some(period) = ShiftPeriod::of(&setup.domain, grid) else { return String::new() };
+    match (period.protocol(), period.required()) {
+        (None, true) => {
+            format!("; images slide along, by a cell in {:.4e}: steps and the end are whole numbers of that", period.one_cell(0.0))
         }
-    })
+        (None, false) => format!(
+            "; images slide along, by a cell in {:.4e}: longer steps are whole numbers of that, in shorter ones the grid is oblique",
+            period.one_cell(0.0)
+        ),
+        (Some(_), true) => "; images slide along by whole cells in every step".into(),
+        (Some(_), false) => "; images slide along, in long steps by whole cells, in short ones the grid is oblique".into(),
+    }
 }
 
 /// Effects of motion, which a fluid and dry bodies share.

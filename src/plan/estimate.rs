@@ -65,7 +65,7 @@ impl<const D: usize> Plan<D> {
     }
 
     fn of_flow(&self, setup: &Setup<D>, ranks: usize) -> Result<PlanReport> {
-        let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
+        let grid = setup.grid(ranks, 0)?;
         let (mut effects, counts) = (flow_effects(setup, &grid), multiplier_counts(setup, &grid));
         effects.extend([inertia(setup), gravity(&self.scene)]);
         effects.extend(in_time(self));

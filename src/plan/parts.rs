@@ -3,7 +3,6 @@
 use super::interactions;
 use crate::{
     error::Result,
-    grid::Grid,
     interaction::{Interaction, Interactions},
     mechanics::{FittedFlow, FlowSolver, ScalarSetup, Suspension, UnsteadySuspension},
     motion::{GranularSetup, ShiftPeriod, Simulation, longest_step_in_flow},
@@ -119,7 +118,7 @@ impl<const D: usize> Plan<D> {
         if setup.domain.slide().is_none() {
             return Ok(Some(time.clone()));
         }
-        let period = ShiftPeriod::of(&setup.domain, &Grid::new(&setup.domain, setup.spacing, 1, 0)?);
+        let period = ShiftPeriod::of(&setup.domain, &setup.grid(1, 0)?);
         period.map_or(Ok(time.clone()), |period| period.round_down(time, setup.inertia.is_some())).map(Some)
     }
 

@@ -1,4 +1,4 @@
-//! Shears whose rate changes, on a grid: images slide by whole cells in every step.
+//! Shears whose rate changes, on a grid that may not be oblique: images slide by whole cells in every step.
 
 use crate::{
     error::Result,
@@ -11,12 +11,12 @@ use crate::{
 /// Fewest cells by which images of an oscillating shear slide from the middle to either side.
 const FEWEST_CELLS: f64 = 4.0;
 
-/// The box of a scene whose rate jumps where images have slid by whole cells on a grid of this spacing.
+/// The box of a scene whose rate jumps where images have slid by whole cells on a grid of this spacing, unless that may be oblique.
 ///
 /// # Errors
 /// They would slide by too few cells.
-pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64) -> Result<Domain<D>> {
-    let Some(slide) = domain.slide().filter(|slide| !slide.protocol.steady()) else { return Ok(domain) };
+pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64, may_be_oblique: bool) -> Result<Domain<D>> {
+    let Some(slide) = domain.slide().filter(|slide| !slide.protocol.steady() && !may_be_oblique) else { return Ok(domain) };
     let cell = domain.size[0] / cells_along(&domain.size, spacing)[0];
     let scheme = scene.time.as_ref().map_or(Scheme::TwoStep, |time| time.scheme);
     let unit = cell * ShiftPeriod::multiple(scheme, 0.0);
@@ -68,7 +68,7 @@ mod tests {
 
     fn domain(rate: &str, time: &str) -> Result<Domain<2>> {
         let text = format!(
-            "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\nflow.drive = {{ shear_rate = {rate}, periodic = \"sheared\" }}\n\
+            "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\nmethod.constraint = \"penalty\"\nflow.drive = {{ shear_rate = {rate}, periodic = \"sheared\" }}\n\
              bodies = [{{ radius = 1.0, count = 1 }}]\ntime = {{ end = 2.0{time} }}\n"
         );
         Ok(Setup::of(&Scene::parse("scene", Path::new("."), &text, &[])?)?.domain)
@@ -85,6 +85,22 @@ mod tests {
         // a first step slides them by two cells
         assert_eq!(slid(""), [0.125, 0.13, 2.0]);
         assert_eq!(slid(", scheme = \"euler\""), [0.1875, 0.13, 3.0]);
+    }
+
+    #[test]
+    fn rates_jump_when_they_are_to_on_a_grid_that_may_be_oblique() {
+        let protocol = |rate: &str| {
+            let text = format!(
+                "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\nflow.drive = {{ shear_rate = {rate}, periodic = \"sheared\" }}\n\
+                 bodies = [{{ radius = 1.0, count = 1 }}]\ntime.end = 2.0\n"
+            );
+            Setup::<2>::of(&Scene::parse("scene", Path::new("."), &text, &[]).unwrap()).unwrap().domain.slide().unwrap().protocol
+        };
+        assert_eq!(protocol("[{ until = 0.05, rate = 1.0 }, { rate = -1.0 }]").next_jump(0.0), 0.05);
+        assert_eq!(
+            protocol("{ amplitude = 1e-3, frequency = 1.0 }").scaled(0.25),
+            Protocol::Oscillation { amplitude: 1e-3, frequency: 1.0 }
+        );
     }
 
     #[test]

@@ -113,8 +113,8 @@ impl<const D: usize> Setup<D> {
         let welds = interactions::welds(scene, &placed);
         let groups: Vec<usize> = placed.iter().map(|&(group, _)| group).collect();
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
-        let domain = protocol::whole(scene, domain, spacing)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
+        let setup = Setup { domain: protocol::whole(scene, setup.domain.clone(), spacing, setup.may_be_oblique())?, ..setup };
         let by_expressions = interactions::by_expressions(scene, setup.bodies.iter().map(|suspended| suspended.body.ball.radius))?;
         let more = interactions::friction(scene, &groups).into_iter().chain(by_expressions);
         let setup = Setup { interactions: Interactions::new(setup.interactions.shared().chain(more)), ..setup };

@@ -143,6 +143,21 @@ impl<const D: usize> Setup<D> {
         method.expect("a fitted mesh has no blocks on a grid")
     }
 
+    /// The grid for so many ranks, seen from one of them.
+    ///
+    /// # Errors
+    /// It does not fit.
+    pub fn grid(&self, ranks: usize, rank: usize) -> Result<Grid<D>> {
+        let grid = if self.may_be_oblique() { Grid::oblique } else { Grid::new };
+        grid(&self.domain, self.spacing, ranks, rank)
+    }
+
+    /// Whether lines of the grid may be oblique, for images that are displaced by parts of a cell: jumps and interpolation of `sharp` know where nodes are; with
+    /// inertia a flow is carried from grid to grid, whose nodes must stay.
+    pub fn may_be_oblique(&self) -> bool {
+        self.constraint == ConstraintMethod::Sharp && self.inertia.is_none() && self.domain.slide().is_some()
+    }
+
     /// The inverse of the fluid that is called for.
     ///
     /// # Errors

@@ -69,7 +69,7 @@ impl<const D: usize> FixedOperators<D> {
     ) -> Result<(FixedOperators<D>, Box<dyn StokesInverse<D>>)> {
         check_steady_state(&setup)?;
         let world = session.world();
-        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let grid = setup.grid(world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
         let mut inverse = inverse(&stokes, &grid)?;
         let mean_flow = MeanFlowConstraint::new(&setup.drive, &grid, &stokes, inverse.as_mut())?;
@@ -112,7 +112,7 @@ impl<const D: usize> FixedOperators<D> {
     /// # Errors
     /// PETSc fails.
     pub fn shift_to(&mut self, shift: f64) -> Result<Box<dyn StokesInverse<D>>> {
-        self.stokes = match self.stokes.grid().shift() == self.grid.shift() {
+        self.stokes = match self.stokes.grid().lies_as(&self.grid) {
             true => self.stokes.with_shift(shift),
             false => Stokes::shifted(&self.session, &self.grid, shift),
         };
@@ -164,10 +164,10 @@ impl<const D: usize> FixedOperators<D> {
         if domain == self.setup.domain {
             return Ok(Turned::Nothing);
         }
-        let before = self.grid.shift();
-        self.grid = self.grid.slid(&domain)?;
+        let slid = self.grid.slid(&domain)?;
+        let before = std::mem::replace(&mut self.grid, slid);
         self.setup.turn_to(domain);
-        Ok(if self.grid.shift() == before { Turned::Velocities } else { Turned::Images })
+        Ok(if self.grid.lies_as(&before) { Turned::Velocities } else { Turned::Images })
     }
 
     /// Force that gives each body a unit velocity in unbounded fluid; infinite for a body whose motion is given.

@@ -4,12 +4,12 @@ use nalgebra::{SVector, Vector2, Vector3};
 use turbid::{
     body::pack,
     error::Error,
-    flow::{Drive, InverseMethod},
+    flow::{Drive, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, LeesEdwards, near_pairs},
-    grid::Grid,
+    grid::{Grid, operators::signed},
     mechanics::{FlowSolver, Suspension},
     motion::Simulation,
-    observe,
+    observe::{self, CellCenters, CellVorticity},
     petsc::Session,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
     setup::{Setup, State, SuspendedBody},
@@ -27,10 +27,14 @@ pub fn tests() -> Vec<Test> {
     vec![
         Test::of(a_square_lattice_slid_by_half_its_edge_is_the_centred_lattice),
         Test::of(a_cubic_lattice_slid_by_half_its_edge_is_that_of_a_box_of_two),
+        Test::of(lattices_on_an_oblique_grid_are_as_exact_as_on_a_straight_one),
         Test::of(a_turn_of_the_box_changes_nothing),
         Test::of(where_the_box_is_cut_changes_nothing),
         Test::of(multigrid_and_transforms_agree_across_the_seam),
-        Test::of(a_part_of_a_cell_is_refused),
+        Test::of(a_part_of_a_cell_is_refused_where_a_grid_may_not_be_oblique),
+        Test::of(where_a_box_is_cut_changes_nothing_on_an_oblique_grid),
+        Test::of(what_frames_hold_of_an_oblique_grid_is_at_the_centres_of_its_cells),
+        Test::of(steps_shorter_than_a_cell_lead_where_long_ones_do),
         Test::of(a_lattice_comes_back_after_a_strain_of_one),
         Test::of(disks_go_the_same_way_wherever_the_box_is_cut),
         Test::of(midpoint_and_two_step_rules_keep_the_beat),
@@ -102,6 +106,25 @@ fn a_cubic_lattice_slid_by_half_its_edge_is_that_of_a_box_of_two(session: &Sessi
     assert!((one / two - 1.0).abs() < 1e-8, "{one} and {two} differ by {:e}", one / two - 1.0);
 }
 
+/// An odd number of cells: images lie half a cell more than whole ones aside, and the grid is oblique.
+fn lattices_on_an_oblique_grid_are_as_exact_as_on_a_straight_one(session: &Session) {
+    let radius = (0.3 / std::f64::consts::PI).sqrt();
+    let disk = |x: f64, y: f64| suspended(Vector2::new(x, y), radius, free(), 6);
+    for (x, y) in [(0.513, 0.47), (0.07, 0.95)] {
+        let slid = |cells: f64| viscosity(session, setup(sheared(Vector2::repeat(1.0), 0.5), 1.0 / cells, vec![disk(x, y)]));
+        let plain = Domain { size: Vector2::new(1.0, 2.0), axes: [Axis::Periodic; 2] };
+        let reference = viscosity(session, setup(plain, 1.0 / 88.0, vec![disk(x, y), disk(x + 0.5, y + 1.0)]));
+        for (cells, tolerance) in [(23.0, 4e-4), (35.0, 1e-4), (53.0, 3e-5)] {
+            assert_near("viscosity of the centred lattice", slid(cells), reference, tolerance);
+        }
+    }
+    let sphere = |x: f64, y: f64| suspended(Vector3::new(x, y, 0.43), 0.35, free(), 2);
+    let slid = viscosity(session, setup(sheared(Vector3::repeat(1.0), 0.5), 1.0 / 25.0, vec![sphere(0.21, 0.9)]));
+    let plain = Domain { size: Vector3::new(1.0, 2.0, 1.0), axes: [Axis::Periodic; 3] };
+    let two = viscosity(session, setup(plain, 1.0 / 25.0, vec![sphere(0.21, 0.9), sphere(0.71, 1.9)]));
+    assert_near("viscosity of a centred lattice of spheres", slid, two, 5e-5);
+}
+
 fn a_turn_of_the_box_changes_nothing(session: &Session) {
     let once = viscosity(session, dense_suspension(6, 44.0, 13.0, [0.0; 2]));
     for aside in [13.0 + 44.0, 13.0 - 5.0 * 44.0] {
@@ -137,7 +160,83 @@ fn multigrid_and_transforms_agree_across_the_seam(session: &Session) {
     assert!((multigrid / transforms - 1.0).abs() < 1e-7, "{multigrid} and {transforms}");
 }
 
-fn a_part_of_a_cell_is_refused(session: &Session) {
+/// Bodies moved along its lines see the same grid.
+fn where_a_box_is_cut_changes_nothing_on_an_oblique_grid(session: &Session) {
+    let (aside, slope) = (13.37, 0.37 / 44.0);
+    let moved = |[along_x, along_y]: [f64; 2], inverse| {
+        viscosity(session, Setup { inverse, ..dense_suspension(6, 44.0, aside, [along_x + slope * along_y, along_y]) })
+    };
+    let here = moved([0.0; 2], InverseMethod::Transform);
+    for by in [[0.0, 17.0], [9.0, 35.0], [30.0, 8.0]] {
+        let there = moved(by, InverseMethod::Transform);
+        assert!((there / here - 1.0).abs() < 1e-7, "{there} and {here} differ by {:e}", there / here - 1.0);
+    }
+    let multigrid = moved([3.0, 20.0], InverseMethod::Hypre);
+    assert!((multigrid / here - 1.0).abs() < 1e-7, "{multigrid} and {here}");
+    let whole = viscosity(session, dense_suspension(6, 44.0, 13.0, [0.0; 2]));
+    assert!((whole / here - 1.0).abs() > 1e-5, "images 13 and 13.37 cells aside have one viscosity");
+}
+
+/// Ends and steps are those asked for, and places converge to those of whole cells with the square of the step.
+fn steps_shorter_than_a_cell_lead_where_long_ones_do(session: &Session) {
+    let cell = 1.0 / 44.0;
+    let went = |step: f64, end: f64| {
+        run(simulation(
+            session,
+            dense_suspension(6, 44.0, 0.0, [0.0; 2]),
+            time(Step::Fixed(step), end, Scheme::TwoStep),
+            ContactModel::None,
+        ))
+    };
+    let apart = |one: &State<2>, two: &State<2>| {
+        let gaps = one.bodies.iter().zip(&two.bodies).map(|(one, two)| (one.center - two.center).norm());
+        gaps.fold(0.0, f64::max)
+    };
+    let (curve, short) = went(0.4 * cell, 8.0 * cell);
+    assert_eq!(curve.len(), 21);
+    let [(_, long), (_, twice)] = [2.0, 4.0].map(|cells| went(cells * cell, 8.0 * cell));
+    let [near, far] = [&long, &twice].map(|state| apart(state, &short));
+    assert!(near < 5e-4 && far > 2.5 * near, "{near:e} {far:e}");
+    let (curve, state) = went(1.3 * cell, 3.7 * cell);
+    assert_eq!((curve.len(), state.time), (4, 3.7 * cell));
+}
+
+/// A wave that the images of an oblique grid carry on, as a fluid vector has it, at the centres of cells that are drawn along the axes.
+fn what_frames_hold_of_an_oblique_grid_is_at_the_centres_of_its_cells(session: &Session) {
+    let errors = |cells: f64| {
+        let (world, domain) = (session.world(), sheared(Vector2::new(1.0, 0.8), 0.3 + 0.4 / cells));
+        let grid = Grid::oblique(&domain, 1.0 / cells, world.size(), world.rank()).unwrap();
+        assert!((grid.slope() * 0.8 * cells).abs() > 0.05);
+        let wave = Vector2::new(1.0, (1.0 - domain.shift()) / 0.8) * std::f64::consts::TAU;
+        let value = |field: usize, point: Vector2<f64>| (wave.dot(&point) + field as f64).sin();
+        let mut fluid = Stokes::new(session, &grid).vector().unwrap();
+        for field in 0..3 {
+            let entries = &mut fluid.local_mut().unwrap()[grid.local_range(field)];
+            entries
+                .iter_mut()
+                .zip(grid.block(field).indices())
+                .for_each(|(entry, index)| *entry = value(field, grid.position(field, signed(index))));
+        }
+        let mut centers = CellCenters::new(&grid, &fluid).unwrap();
+        let (velocity, pressure) = (centers.velocity(&fluid).unwrap(), centers.pressure(&fluid).unwrap());
+        let vorticity = CellVorticity::new(&grid, &fluid).unwrap().evaluate(&grid, &fluid, &Drive::Rest).unwrap();
+        let mut worst = [0.0f64; 3];
+        for (((cell, velocity), pressure), vorticity) in grid.block(2).indices().zip(velocity).zip(pressure).zip(vorticity) {
+            let point = grid.upright_center(signed(cell));
+            let slope = |field: usize, axis: usize| wave[axis] * (wave.dot(&point) + field as f64).cos();
+            let curl = slope(1, 0) - slope(0, 1);
+            let off = [velocity[0] - value(0, point), pressure - value(2, point), (vorticity - curl) / wave.norm()];
+            worst.iter_mut().zip(off).for_each(|(worst, off)| *worst = worst.max(off.abs()));
+        }
+        worst.map(|worst| world.max(worst))
+    };
+    let (coarse, fine) = (errors(20.0), errors(40.0));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!(fine < 0.01 && coarse > 3.4 * fine, "{coarse:e} {fine:e}");
+    }
+}
+
+fn a_part_of_a_cell_is_refused_where_a_grid_may_not_be_oblique(session: &Session) {
     let world = session.world();
     let error = Grid::new(&sheared(Vector2::repeat(1.0), 0.03), 1.0 / 16.0, world.size(), world.rank()).err().unwrap();
     let Error::Refused(text) = error else { panic!("{error:?}") };

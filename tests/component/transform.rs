@@ -44,15 +44,15 @@ struct Fluid<const D: usize> {
 }
 
 /// A box of so many cells whose images lie so many of them aside.
-fn sheared<const D: usize>(cells: [usize; D], aside: isize) -> Domain<D> {
+fn sheared<const D: usize>(cells: [usize; D], aside: f64) -> Domain<D> {
     let mut domain = unequal(cells, None);
-    let start = aside as f64 * domain.size[0] / cells[0] as f64;
+    let start = aside * domain.size[0] / cells[0] as f64;
     domain.axes[1] = Axis::Sheared(LeesEdwards::steady(start, 1.0, 0.0));
     domain
 }
 
-/// Cells aside: a few, half of many, more than all, backwards.
-const ASIDE: [isize; 4] = [1, 8, 23, -3];
+/// Cells aside: a few, half of many, more than all, backwards; and parts of them, for which the grid is oblique.
+const ASIDE: [f64; 7] = [1.0, 8.0, 23.0, -3.0, 0.5, 8.3, -2.6];
 
 /// Calls `proof` with boxes of all kinds that the transform serves.
 fn each_box(session: &Session, flat: fn(Fluid<2>), deep: fn(Fluid<3>)) {
@@ -202,7 +202,7 @@ impl<const D: usize> Fluid<D> {
     fn new(session: &Session, cells: [usize; D], domain: Domain<D>) -> Fluid<D> {
         let world = session.world();
         assert!(TransformInverse::fits(&domain));
-        let grid = Grid::new(&domain, 1.0, world.size(), world.rank()).unwrap();
+        let grid = Grid::oblique(&domain, 1.0, world.size(), world.rank()).unwrap();
         assert_eq!(grid.cells(), cells);
         let stokes = Stokes::new(session, &grid);
         let inverse = TransformInverse::new(&stokes, &grid).unwrap();

@@ -129,7 +129,7 @@ fn refused() -> Vec<(&'static str, String, &'static str)> {
             "short",
             EMPTY.replace("6", "6\n[flow]\ndrive = { shear_rate = 1.0, periodic = \"sheared\" }")
                 + &bodies("count = 2")
-                + "[time]\nend = 1e-3\n",
+                + "[time]\nend = 1e-3\n[method]\nconstraint = \"penalty\"\n",
             "scene.toml:11: time.end = 0.001: the images of the sheared box slide by whole cells",
         ),
     ]

@@ -60,7 +60,7 @@ fn slope<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>, collector
         Site::Lattice { index, .. } => Some((collector.node(axis, index)?, weight)),
         Site::Wall { .. } => None,
     };
-    divergence(grid, axis, index).map(|term| (term.site, term.weight)).into_iter().filter_map(node).collect()
+    divergence(grid, axis, index).map(|term| (term.site, term.weight)).filter_map(node).collect()
 }
 
 /// The strain in which the axes before `last` stretch alike and it shrinks as much as all of them together.

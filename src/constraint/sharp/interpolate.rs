@@ -75,9 +75,10 @@ impl<'a, const D: usize> Interpolation<'a, D> {
         let (mut parts, mut weights, mut at_wall) = (Vec::with_capacity(points), Vec::new(), false);
         for (point, offset) in self.placed.surface.offsets().enumerate() {
             let position = self.placed.center + offset;
+            let straight = self.grid.straightened(position);
             // the fields along the axis and the pressure have their points on faces and between them
             let lines: [_; D] =
-                std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, position[axis])));
+                std::array::from_fn(|axis| [axis, D].map(|field| interpolation::line(self.grid, field, axis, straight[axis])));
             parts.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.part)));
             weights.push(lines.each_ref().map(|pair| pair.each_ref().map(|line| line.weight)));
             at_wall |= lines.iter().flatten().any(|line| line.wall.is_some());

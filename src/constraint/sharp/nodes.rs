@@ -7,12 +7,13 @@ use crate::{
     grid::{Grid, Index},
 };
 
-/// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided.
+/// Lattice points around a surface that stencils and interpolation may touch, in spacings: next to walls it is one-sided, and on oblique grids stencils have
+/// corners.
 const REACHES: [f64; 2] = [2.0, 3.0];
 
 /// How far from a surface, along each axis, stencils and interpolation reach.
 pub fn reach<const D: usize>(grid: &Grid<D>) -> f64 {
-    REACHES[usize::from(!grid.domain().fully_periodic())] * grid.spacing().max()
+    REACHES[usize::from(!grid.domain().fully_periodic() || grid.slope() != 0.0)] * grid.spacing().max()
 }
 
 /// Lattice points, and points of walls between them, around a body.
@@ -24,8 +25,9 @@ pub struct JumpNodes<const D: usize> {
     pub lattice: usize,
     /// Their indices.
     pub indices: IndexBox<D>,
-    /// Coordinates along each axis.
+    /// Coordinates along each axis, straightened.
     coordinates: [Vec<f64>; D],
+    slope: f64,
     /// Square of the distance of each from the centre of the body.
     pub squares: Vec<f64>,
     /// Whether each lies outside the body.
@@ -45,23 +47,32 @@ impl<const D: usize> JumpNodes<D> {
             let start = indices.start()[axis];
             (0..indices.extent()[axis] as isize).map(|along| coordinate(grid, lattice, axis, start + along)).collect()
         });
-        let squares = squares(&coordinates, &placed.center);
+        let slope = grid.slope();
+        let squares =
+            if slope == 0.0 { squares(&coordinates, &placed.center) } else { oblique_squares(&coordinates, slope, &placed.center) };
         let limit = placed.surface.modes.radius().powi(2);
         let outside = squares.iter().map(|&square| square > limit).collect();
-        JumpNodes { unknowns, field, lattice, indices, coordinates, squares, outside }
+        JumpNodes { unknowns, field, lattice, indices, coordinates, slope, squares, outside }
     }
 
     /// Where the node at a place is.
     pub fn position(&self, place: usize) -> SVector<f64, D> {
         let (index, start) = (self.indices.index(place), self.indices.start());
-        SVector::from_fn(|axis, _| self.coordinates[axis][(index[axis] - start[axis]) as usize])
+        let mut position = SVector::from_fn(|axis, _| self.coordinates[axis][(index[axis] - start[axis]) as usize]);
+        if self.slope != 0.0 {
+            position[0] += self.slope * position[1];
+        }
+        position
     }
 
     /// Visits the places of the nodes inside another body.
     pub fn inside(&self, other: &Placed<D>, mut visit: impl FnMut(usize)) {
         let radius = other.surface.modes.radius();
         let ranges: [(usize, usize); D] = std::array::from_fn(|axis| {
-            let (coordinates, center) = (&self.coordinates[axis], other.center[axis]);
+            let (coordinates, mut center, mut radius) = (&self.coordinates[axis], other.center[axis], radius);
+            if axis == 0 {
+                (center, radius) = (center - self.slope * other.center[1], radius * (1.0 + self.slope.abs()));
+            }
             (coordinates.partition_point(|x| *x < center - radius), coordinates.partition_point(|x| *x <= center + radius))
         });
         let (start, strides) = (ranges.map(|(first, _)| first), self.indices.strides());
@@ -127,4 +138,15 @@ fn squares<const D: usize>(coordinates: &[Vec<f64>; D], center: &SVector<f64, D>
         squares = squares.iter().flat_map(|before| along.iter().map(move |square| before + square)).collect();
     }
     squares
+}
+
+/// As [`squares`], on oblique grids.
+fn oblique_squares<const D: usize>(coordinates: &[Vec<f64>; D], slope: f64, center: &SVector<f64, D>) -> Vec<f64> {
+    let of_plane = coordinates[0]
+        .iter()
+        .flat_map(|x| coordinates[1].iter().map(move |y| (x + slope * y - center[0]).powi(2) + (y - center[1]).powi(2)));
+    (2..D).fold(of_plane.collect(), |squares: Vec<f64>, axis| {
+        let along: Vec<f64> = coordinates[axis].iter().map(|x| (x - center[axis]).powi(2)).collect();
+        squares.iter().flat_map(|before| along.iter().map(move |square| before + square)).collect()
+    })
 }

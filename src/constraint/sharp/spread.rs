@@ -41,6 +41,12 @@ pub struct Spreading<'a, const D: usize> {
     walls_of: Vec<(usize, bool)>,
 }
 
+/// The distance of the farthest node of a stencil: of a neighbour, or on oblique grids of one across a corner.
+fn row_reach<const D: usize>(grid: &Grid<D>) -> f64 {
+    let spacing = grid.spacing();
+    if grid.slope() == 0.0 { spacing.max() } else { spacing.max().max((1.0 + grid.slope().abs()) * spacing[0].hypot(spacing[1])) }
+}
+
 /// Which jumps rows take, field by field.
 #[derive(Default)]
 struct Corrections<const D: usize> {
@@ -91,7 +97,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
     /// Squares of distances from the centre at which rows may reach across the surface.
     fn near(&self) -> std::ops::RangeInclusive<f64> {
-        let (radius, reach) = (self.placed.surface.modes.radius(), self.grid.spacing().max());
+        let (radius, reach) = (self.placed.surface.modes.radius(), row_reach(self.grid));
         (radius - reach).max(0.0).powi(2)..=(radius + reach).powi(2)
     }
 
@@ -115,7 +121,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
         if field == D {
             for axis in 0..D {
                 let mut group = rows.group(&nodes[axis], &mut jumps[axis], outside, -side);
-                stencil::divergence(grid, axis, index).into_iter().for_each(|term| group.take(term));
+                stencil::divergence(grid, axis, index).for_each(|term| group.take(term));
             }
             return;
         }
@@ -123,7 +129,7 @@ impl<'a, const D: usize> Spreading<'a, D> {
         stencil::laplacian(grid, field, index, |term| group.take(term));
         drop(group);
         let mut group = rows.group(&nodes[D], &mut jumps[D], outside, -side);
-        stencil::gradient(grid, field, index).into_iter().for_each(|term| group.take(term));
+        stencil::gradient(grid, field, index).for_each(|term| group.take(term));
     }
 
     /// Collects what passes to the points of walls where a velocity component is known.

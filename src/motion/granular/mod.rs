@@ -464,7 +464,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
             .collect();
         let farthest = |place: usize| self.step_control.time.travel * self.radii[place];
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
-        let limits = StepLimits { stable, tried: longest };
+        let limits = StepLimits { stable, accurate: f64::INFINITY, tried: longest };
         let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
         let kinetic_energy = Some(self.kinetic_energy(&twists));
         Ok(Observation { kinetic_energy, ..Observation::of_motions(twists, step_size) })

@@ -8,32 +8,52 @@ use crate::{
     flow::OpenEnds,
     geometry::Ball,
     grid::{Grid, Index, Node, operators::signed, stencil::moved},
+    linalg::lagrange,
     petsc::{Scatter, Vector, WantedRun},
 };
 
-/// Brings velocities from the faces of this rank's cells to their centres; made once for a grid.
+/// Brings velocities from the faces of this rank's cells, and pressures, to the centres of cells whose edges lie along the axes; made once for a grid.
+///
+/// On an oblique grid the centre of such a cell lies beside that of a cell of the grid: values are interpolated along x between four of these.
 pub struct CellCenters<const D: usize> {
     grid: Grid<D>,
-    /// Component by component the lower faces of all cells, then the upper ones; zero on walls and on open ends.
-    faces: Scatter,
+    /// For each of the cells [`beside`]: component by component the lower faces of all cells, then the upper ones, zero on walls and on open ends; then pressures.
+    values: Scatter,
 }
+
+/// Cells beside one between whose centres is interpolated, at these places.
+const BESIDE: [isize; 4] = [-1, 0, 1, 2];
+const PLACES: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
 
 impl<const D: usize> CellCenters<D> {
     /// Plans the exchange of faces between ranks; `fluid` is any fluid vector.
     pub fn new(grid: &Grid<D>, fluid: &Vector) -> Result<CellCenters<D>> {
         let (cells, mut wanted) = (grid.block(D).len(), Vec::new());
-        for side in 0..2 * D {
-            add_faces(grid, (side / 2, side % 2), side * cells, &mut wanted);
+        let (beside, sides) = (beside(grid), 2 * D + 1);
+        for (number, &along_x) in beside.iter().enumerate() {
+            for side in 0..sides {
+                let (field, upper) = if side < 2 * D { (side / 2, side % 2) } else { (D, 0) };
+                add_values(grid, (field, upper), along_x, (number * sides + side) * cells, &mut wanted);
+            }
         }
-        let faces = Scatter::of_runs(fluid, 2 * D * cells, wanted.into_iter())?;
-        Ok(CellCenters { grid: grid.clone(), faces })
+        let values = Scatter::of_runs(fluid, beside.len() * sides * cells, wanted.into_iter())?;
+        Ok(CellCenters { grid: grid.clone(), values })
     }
 
     /// The velocity of a fluid vector at the centres of this rank's cells, in the order of its block.
     pub fn velocity(&mut self, fluid: &Vector) -> Result<Vec<SVector<f64, D>>> {
-        let (faces, cells) = (self.faces.fetch(fluid)?, self.grid.block(D).len());
-        let mean = |cell: usize, component: usize| 0.5 * (faces[2 * component * cells + cell] + faces[(2 * component + 1) * cells + cell]);
-        let mut velocities: Vec<SVector<f64, D>> = (0..cells).map(|cell| SVector::from_fn(|component, _| mean(cell, component))).collect();
+        let (values, cells) = (self.values.fetch(fluid)?, self.grid.block(D).len());
+        let mean = |from: &[f64], cell: usize, component: usize| {
+            0.5 * (from[2 * component * cells + cell] + from[(2 * component + 1) * cells + cell])
+        };
+        let weights = weights(&self.grid);
+        let of_cell = |(cell, weights): (usize, [f64; 4])| {
+            SVector::from_fn(|component, _| {
+                let beside = values.chunks_exact((2 * D + 1) * cells).zip(weights);
+                beside.map(|(from, weight)| weight * mean(from, cell, component)).sum()
+            })
+        };
+        let mut velocities: Vec<SVector<f64, D>> = weights.enumerate().map(of_cell).collect();
         if let Some(ends) = OpenEnds::of(&self.grid, fluid)? {
             let axis = ends.axis();
             for (velocity, cell) in velocities.iter_mut().zip(self.grid.block(D).indices()) {
@@ -44,15 +64,52 @@ impl<const D: usize> CellCenters<D> {
         }
         Ok(velocities)
     }
+
+    /// The pressure of a fluid vector there.
+    pub fn pressure(&mut self, fluid: &Vector) -> Result<Vec<f64>> {
+        let (values, cells) = (self.values.fetch(fluid)?, self.grid.block(D).len());
+        let of_cell = |(cell, weights): (usize, [f64; 4])| {
+            let beside = values.chunks_exact((2 * D + 1) * cells).zip(weights);
+            beside.map(|(from, weight)| weight * from[2 * D * cells + cell]).sum()
+        };
+        Ok(weights(&self.grid).enumerate().map(of_cell).collect())
+    }
 }
 
-/// Adds the faces of this rank's cells on one side along an axis (0 below, 1 above), whose places start with `place`.
-fn add_faces<const D: usize>(grid: &Grid<D>, (axis, side): (usize, usize), mut place: usize, wanted: &mut Vec<WantedRun>) {
+/// For each of this rank's cells the weights of the values [`beside`] it at the centre of the upright cell of its index.
+pub(super) fn weights<const D: usize>(grid: &Grid<D>) -> impl Iterator<Item = [f64; 4]> + use<'_, D> {
+    let alone = grid.slope() == 0.0;
+    let of_height = move |y: f64| lagrange(&PLACES, -grid.slope() * y / grid.spacing()[0]);
+    grid.block(D).indices().map(
+        move |cell| {
+            if alone { [1.0, 0.0, 0.0, 0.0] } else { of_height((cell[1] as f64 + 0.5) * grid.spacing()[1]) }
+        },
+    )
+}
+
+/// Cells along x from each one's own, between whose centres values at upright cells are interpolated.
+pub(super) fn beside<const D: usize>(grid: &Grid<D>) -> &'static [isize] {
+    if grid.slope() == 0.0 { &[0] } else { &BESIDE }
+}
+
+/// Adds the faces on one side (0 below, 1 above) along the axis of a field, or the pressures, of cells so far along x from this rank's, whose places start with
+/// `place`.
+fn add_values<const D: usize>(
+    grid: &Grid<D>,
+    (field, side): (usize, usize),
+    along_x: isize,
+    mut place: usize,
+    wanted: &mut Vec<WantedRun>,
+) {
     let cells = grid.block(D);
     for cell in cells.flattened(D - 1).indices() {
-        let (mut face, mut left) = (moved(signed(cell), axis, side as isize), cells.end[D - 1] - cells.start[D - 1]);
+        let mut face = moved(signed(cell), 0, along_x);
+        if field < D {
+            face = moved(face, field, side as isize);
+        }
+        let mut left = cells.end[D - 1] - cells.start[D - 1];
         while left > 0 {
-            let (node, follow) = grid.fluid_run(axis, face);
+            let (node, follow) = grid.fluid_run(field, face);
             let length = follow.min(left);
             if let Node::Unknown(first) = node {
                 wanted.push(WantedRun { place, first, length });
@@ -62,7 +119,7 @@ fn add_faces<const D: usize>(grid: &Grid<D>, (axis, side): (usize, usize), mut p
     }
 }
 
-/// Which of this rank's cells have their centre inside a body: 1, and 0 outside, in the order of its block.
+/// Which of this rank's cells, drawn along the axes, have their centre inside a body: 1, and 0 outside, in the order of its block.
 pub fn inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> Vec<f64> {
     let mut inside = vec![0.0; grid.block(D).len()];
     visit_inside(grid, balls, |_, cell| inside[cell] = 1.0);
@@ -73,8 +130,10 @@ pub fn inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>]) -> Vec<f64> {
 pub fn visit_inside<const D: usize>(grid: &Grid<D>, balls: &[Ball<D>], mut found: impl FnMut(usize, usize)) {
     for (number, ball) in balls.iter().enumerate() {
         let center = grid.domain().wrap(ball.center);
-        let within = |index: &Index<D>| (grid.position(D, *index) - center).norm() <= ball.radius;
-        let around = IndexBox::around(grid, D, &center, ball.radius);
+        let within = |index: &Index<D>| (grid.upright_center(*index) - center).norm() <= ball.radius;
+        // lines of an oblique grid lie half a cell aside at most
+        let aside = if grid.slope() == 0.0 { 0.0 } else { grid.spacing()[0] };
+        let around = IndexBox::around(grid, D, &center, ball.radius + aside);
         around.indices().filter(within).filter_map(|index| own_place(grid, index)).for_each(|place| found(number, place));
     }
 }

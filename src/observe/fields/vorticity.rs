@@ -2,7 +2,11 @@
 
 use nalgebra::SVector;
 
-use super::{faces::NearFaces, sample::vorticities};
+use super::{
+    cells::{beside, weights},
+    faces::NearFaces,
+    sample::vorticities,
+};
 use crate::{
     body::planes,
     error::Result,
@@ -10,6 +14,9 @@ use crate::{
     grid::{Grid, Index, curl::curl, operators::signed, stencil::moved},
     petsc::Vector,
 };
+
+/// Layers of cells around those of a rank on which their vorticity depends on oblique grids: two beside a cell, the far corner of those, and one more along x.
+const LAYERS_OF_OBLIQUE_GRIDS: usize = 4;
 
 /// Brings the velocities on which the vorticity of this rank's cells depends to this rank; made once for a grid.
 pub struct CellVorticity<const D: usize> {
@@ -22,7 +29,8 @@ impl<const D: usize> CellVorticity<D> {
     /// # Errors
     /// PETSc fails, here and below.
     pub fn new(grid: &Grid<D>, fluid: &Vector) -> Result<CellVorticity<D>> {
-        Ok(CellVorticity { faces: NearFaces::new(grid, fluid, 1)? })
+        let layers = if grid.slope() == 0.0 { 1 } else { LAYERS_OF_OBLIQUE_GRIDS };
+        Ok(CellVorticity { faces: NearFaces::new(grid, fluid, layers)? })
     }
 
     /// The vorticity of a fluid vector and the background of a drive at the centres of this rank's cells, in the order of its block: one number each
@@ -37,10 +45,14 @@ impl<const D: usize> CellVorticity<D> {
             }
             sum
         };
-        let cells = grid.block(D).indices().map(signed);
+        let beside = beside(grid);
+        let cells = grid.block(D).indices().map(signed).zip(weights(grid));
         Ok(cells
-            .flat_map(|cell| planes::<D>().iter().map(move |&plane| (cell, plane)))
-            .map(|(cell, plane)| mean(cell, plane) + of_background(drive, plane))
+            .flat_map(|(cell, weights)| planes::<D>().iter().map(move |&plane| (cell, weights, plane)))
+            .map(|(cell, weights, plane)| {
+                let of_cells = beside.iter().zip(weights).map(|(&along_x, weight)| weight * mean(moved(cell, 0, along_x), plane));
+                of_cells.sum::<f64>() + of_background(drive, plane)
+            })
             .collect())
     }
 }

@@ -41,7 +41,7 @@ impl<const D: usize> FlowFields<D> {
         for (index, velocity) in grid.block(D).indices().zip(&mut velocity) {
             *velocity += setup.drive.background(&grid.position(D, signed(index)));
         }
-        let pressure = fluid.local()?[grid.local_range(D)].iter().map(|pressure| pressure * setup.viscosity).collect();
+        let pressure = self.centers.pressure(fluid)?.into_iter().map(|pressure| pressure * setup.viscosity).collect();
         let vorticity = self.vorticity.as_mut().map(|vorticity| vorticity.evaluate(grid, fluid, &setup.drive)).transpose()?;
         Ok(FrameFields { grid, velocity, pressure, inside: inside(grid, balls), vorticity })
     }

@@ -71,14 +71,15 @@ impl<const D: usize> FrameFiles<D> {
     }
 
     /// Says once that frames come later than the scene asks for: with the first step that reaches a multiple of its time between frames.
-    fn tell_of_steps(&mut self, state: &State<D>, sheared: bool) {
+    fn tell_of_steps(&mut self, state: &State<D>, whole_cells: bool) {
         let (every, time) = (self.every, state.time);
         let late = time - (time / every + ROUNDING).floor() * every;
         if !self.eager || state.steps == 0 || late <= ROUNDING.max(1e-6) * every {
             return;
         }
         self.eager = false;
-        let why = if sheared { "; steps of a sheared box are whole numbers of the time in which its images slide by a cell" } else { "" };
+        let why =
+            if whole_cells { "; steps of this sheared box are whole numbers of the time in which its images slide by a cell" } else { "" };
         let often = if state.last_step > every * (1.0 + ROUNDING) { " and no more often than steps" } else { "" };
         note(&format!(
             "turbid: output.every = {every}: frames come with the first step at or after each multiple of it{often}, this one at time {time} instead of \
@@ -102,7 +103,8 @@ impl<const D: usize> Output<D> for FrameFiles<D> {
             return Ok(());
         }
         if !motion.last {
-            self.tell_of_steps(motion.state(), motion.domain().slide().is_some());
+            let whole_cells = view.flow.is_some_and(|flow| !flow.solver.grid().may_be_oblique());
+            self.tell_of_steps(motion.state(), motion.domain().slide().is_some() && whole_cells);
         }
         let state = motion.state();
         let written = state.written(view.world);

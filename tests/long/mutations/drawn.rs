@@ -17,8 +17,8 @@ pub struct Drawn {
     pub inertia: bool,
     /// Rate of the shear of a box whose images slide or lie still.
     pub background_rate: f64,
-    /// Time of which steps in a sheared box are multiples: its images slide by a cell, or by two without inertia, in whose steps there is a midpoint; zero in
-    /// others.
+    /// Time of which steps in a sheared box are multiples where the grid may not be oblique: its images slide by a cell, or by two without inertia, in whose steps
+    /// there is a midpoint; zero in others.
     pub slide: f64,
     /// Two walls shear what is between them, and nothing else drives it.
     pub couette: bool,
@@ -147,13 +147,14 @@ pub fn draw(seed: u64, units: Units) -> Drawn {
     friction(draft, &objects);
     let (inertia, sheared) = (draft.model == Model::NavierStokes, draft.drive == Drive::Sheared);
     let cells = if inertia { 1.0 } else { 2.0 };
+    let whole = sheared && (inertia || draft.lines.iter().any(|line| line.starts_with("constraint = ")));
     let carried = background_rate != 0.0 && (objects.given || sheared && end.is_some());
     Drawn {
         text: draft.lines.join("\n") + "\n",
         dimension: draft.dimension,
         inertia,
         background_rate,
-        slide: if sheared { cells * draft.spacing / (background_rate.abs() * draft.size[1]) } else { 0.0 },
+        slide: if whole { cells * draft.spacing / (background_rate.abs() * draft.size[1]) } else { 0.0 },
         couette: draft.drive == Drive::Couette && !driven,
         // along y a shear carries bodies to other places between the points of the grid
         movable: [0, 1, 2].map(|axis| axis < draft.dimension && draft.periodic(axis) && !(axis == 1 && carried)),

@@ -5,6 +5,8 @@
 //! ```text
 //! p = conj(g) . r_u / |g|^2 + (1 + s / |g|^2) r_p,   u = (r_u - g p) / (s + |g|^2)
 //! ```
+//!
+//! On an oblique grid `s` contains the [excess](Boundary::excess) of the Laplacian.
 
 use rustfft::num_complex::Complex;
 
@@ -32,7 +34,7 @@ impl<const D: usize> PeriodicLines<D> {
     /// The lines of `block`, already transformed along all other axes than `along`.
     pub fn new(lines: Lines<D>, along: usize, (grid, shift): (&Grid<D>, f64), symbols: Symbols<D>) -> PeriodicLines<D> {
         let (points, block) = (lines.points(), lines.block());
-        let boundary = (grid.shift() > 0).then(|| Boundary::new(grid, block.start[0]..block.end[0]));
+        let boundary = (grid.shift() > 0 || grid.slope() != 0.0).then(|| Boundary::new(grid, block.start[0]..block.end[0]));
         PeriodicLines {
             waves: Waves::new(points),
             tile: vec![Complex::default(); (D + 1) * TILE * points],
@@ -58,10 +60,13 @@ impl<const D: usize> PeriodicLines<D> {
             self.waves.forward(lines);
             for line in 0..tile.lines {
                 let mut factors: [&[_]; D] = std::array::from_fn(|axis| self.symbols.gradient(axis));
+                let mut excess = None;
                 if let Some(boundary) = &self.boundary {
                     factors[self.along] = boundary.gradient(along_x(line));
+                    excess = boundary.excess(along_x(line));
                 }
-                solve_line((factors, self.shift), self.along, tile.line_start(line), &mut lines[line * points..], size);
+                let shift = |point: usize| self.shift + excess.map_or(0.0, |excess| excess[point]);
+                solve_line((factors, shift), self.along, tile.line_start(line), &mut lines[line * points..], size);
             }
             self.waves.backward(lines);
             if let Some(boundary) = &self.boundary {
@@ -74,7 +79,7 @@ impl<const D: usize> PeriodicLines<D> {
 
 /// Solves for the waves of one line; the values of the fields are `step` apart.
 fn solve_line<const D: usize>(
-    (gradient, shift): ([&[Complex<f64>]; D], f64),
+    (gradient, shift): ([&[Complex<f64>]; D], impl Fn(usize) -> f64),
     along: usize,
     wave: [usize; D],
     line: &mut [Complex<f64>],
@@ -85,7 +90,7 @@ fn solve_line<const D: usize>(
     let others: f64 = factors.iter().map(Complex::norm_sqr).sum();
     for (point, &factor) in gradient[along].iter().enumerate() {
         factors[along] = factor;
-        let square = others + factor.norm_sqr();
+        let (square, shift) = (others + factor.norm_sqr(), shift(point));
         let (inverse, decay) = (1.0 / square, 1.0 / (shift + square));
         let mut source = Complex::default();
         for axis in 0..D {

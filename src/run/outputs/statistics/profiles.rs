@@ -243,7 +243,7 @@ fn fluid_cells<const D: usize>(flow: &FlowView<D>, bodies: &Bodies<D>) -> Result
     let cells = grid.block(D).indices().zip(velocities).zip(held).filter(|(_, held)| *held == 0.0);
     Ok(cells
         .map(|((cell, velocity), _)| {
-            let point = grid.position(D, signed(cell));
+            let point = grid.upright_center(signed(cell));
             (point, velocity + setup.drive.background(&point))
         })
         .collect())
