@@ -4,6 +4,8 @@
 
 The upper wall, with the disks that are fixed to it, moves along its normal under the pressure; the height of the layer comes out. The inertial number,
 `I = rate sqrt(mass / pressure)`, is asked for by the velocity of the wall and measured in the middle half of the layer, where disks have little of the walls.
+A second table has walls of other masses, which say how fast the wall gives way and should say nothing of the means.
+
 Published, for disks of friction 0.4: `0.26 + 1.0 I` and `0.81 - 0.31 I` for I below 0.2 (da Cruz et al. 2005). Means are over the second half of each run;
 the friction is that of the force on the wall, of all steps. Lengths in radii, masses such that density and pressure are 1.
 """
@@ -91,15 +93,34 @@ def measure(folder):
 RUNS = {"0.1": 16.0, "0.03": 12.0, "0.01": 8.0, "0.001": 3.0}
 
 
+#: Masses per area of walls, and the inertial number asked for with them.
+MASSES, NUMBER = ["0.4", "1.6", "6.4"], "0.1"
+
+
+def row(first, measured):
+    """A row of a table, of which the first cell is given."""
+    (number, wide), (fraction, scatter), (friction, uncertain, normal) = measured
+    of_friction, of_fraction = da_cruz(number)
+    print(f"| {first} | {number:.4f} +- {wide:.4f} | {friction:.3f} +- {uncertain:.3f} | {of_friction:.3f} | {fraction:.4f} +- {scatter:.4f} "
+          f"| {of_fraction:.4f} | {normal:.4f} |", flush=True)
+
+
+def head(first):
+    print(f"| {first} | inertial number in the middle | friction of the flow | da Cruz et al. | fraction in the middle | da Cruz et al. | normal stress on the wall |\n"
+          "|-|-|-|-|-|-|-|")
+
+
 def main():
     program, *asked = sys.argv[1:]
-    print("| inertial number asked for | in the middle | friction of the flow | da Cruz et al. | fraction in the middle | da Cruz et al. | normal stress on the wall |\n"
-          "|-|-|-|-|-|-|-|")
+    head("inertial number asked for")
     for name in asked or RUNS:
-        (number, wide), (fraction, scatter), (friction, uncertain, normal) = measure(run(program, OUT / name, scene(float(name), RUNS[name])))
-        of_friction, of_fraction = da_cruz(number)
-        print(f"| {name} | {number:.4f} +- {wide:.4f} | {friction:.3f} +- {uncertain:.3f} | {of_friction:.3f} | {fraction:.4f} +- {scatter:.4f} "
-              f"| {of_fraction:.4f} | {normal:.4f} |", flush=True)
+        row(name, measure(run(program, OUT / name, scene(float(name), RUNS[name]))))
+    if asked:
+        return
+    print()
+    head("mass per area of the wall")
+    for mass in MASSES:
+        row(mass, measure(run(program, OUT / f"mass-{mass}", scene(float(NUMBER), RUNS[NUMBER], wall_mass=float(mass)))))
 
 
 if __name__ == "__main__":

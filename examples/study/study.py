@@ -33,7 +33,7 @@ SWEEPS = {
 }
 
 #: Studies by scripts of their own beside this one.
-ALONE = ["convex", "granular", "incline", "pile", "collapse"]
+ALONE = ["convex", "granular", "pressure", "incline", "pile", "collapse"]
 
 
 def sweep(program, name):
