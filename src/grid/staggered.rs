@@ -128,9 +128,7 @@ impl<const D: usize> Grid<D> {
 
     /// A point in coordinates in which lines along y are straight: along x its distance from that through the origin.
     pub fn straightened(&self, mut point: SVector<f64, D>) -> SVector<f64, D> {
-        if self.slope != 0.0 {
-            point[0] -= self.slope * point[1];
-        }
+        point[0] -= self.slope * point[1];
         point
     }
 
@@ -231,17 +229,13 @@ impl<const D: usize> Grid<D> {
     /// Where the centre of a cell, or of its image, lies if the cells of the box are drawn along the axes, whether the grid is oblique or not.
     pub fn upright_center(&self, cell: Index<D>) -> SVector<f64, D> {
         let mut center = SVector::from_fn(|axis, _| (cell[axis] as f64 + 0.5) * self.spacing[axis]);
-        if self.slope != 0.0 {
-            center[0] += self.slope * self.domain.size[1] * cell[1].div_euclid(self.cells[1] as isize) as f64;
-        }
+        center[0] += self.slope * self.domain.size[1] * cell[1].div_euclid(self.cells[1] as isize) as f64;
         center
     }
 
     /// The point whose [`straightened`](Self::straightened) coordinates these are.
     pub fn at_straightened(&self, mut straight: SVector<f64, D>) -> SVector<f64, D> {
-        if self.slope != 0.0 {
-            straight[0] += self.slope * straight[1];
-        }
+        straight[0] += self.slope * straight[1];
         straight
     }
 

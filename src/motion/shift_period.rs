@@ -35,7 +35,7 @@ enum Period {
 }
 
 /// Part of a step that is wanted below which none is taken only to bring images to whole cells again.
-const SHORTEST_PART: f64 = 0.5;
+const LEAST_TO_WHOLE_CELLS: f64 = 0.5;
 
 impl ShiftPeriod {
     /// The shift period of a box on a grid; none if its images stay.
@@ -105,7 +105,7 @@ impl ShiftPeriod {
     fn preferred(&self, time: f64, longest: f64, multiple: f64) -> f64 {
         let (passed, rate) = self.cells_passed(time);
         let limit = longest * (1.0 + ROUNDING);
-        if (passed - passed.round()).abs() <= ROUNDING * (1.0 + passed.abs()) {
+        if is_whole(passed) {
             let whole = self.multiple_within(time, longest, multiple);
             return if whole <= limit { whole } else { longest.min(self.until_turn(time)) };
         }
@@ -118,7 +118,7 @@ impl ShiftPeriod {
                 (((here + way) * (1.0 + ROUNDING)).floor() - here) / rate.abs()
             }
         };
-        if (SHORTEST_PART * longest..=limit).contains(&to_whole) { to_whole } else { longest }
+        if (LEAST_TO_WHOLE_CELLS * longest..=limit).contains(&to_whole) { to_whole } else { longest }
     }
 
     /// The time from a time on until images have slid to whole cells, so many if they are there; 0 where they rest, or turn back and forth.
@@ -128,9 +128,7 @@ impl ShiftPeriod {
             return 0.0;
         }
         let along = passed * rate.signum();
-        let left = along.ceil() - along;
-        let cells = if (along - along.round()).abs() <= ROUNDING * (1.0 + along.abs()) { multiple } else { left };
-        cells / rate.abs()
+        (if is_whole(along) { multiple } else { along.ceil() - along }) / rate.abs()
     }
 
     /// The time from a time on until images turn back.
@@ -201,6 +199,11 @@ impl ShiftPeriod {
         }
         Ok(kept)
     }
+}
+
+/// Whether a number of cells is whole but for rounding.
+fn is_whole(cells: f64) -> bool {
+    (cells - cells.round()).abs() <= ROUNDING * (1.0 + cells.abs())
 }
 
 /// The last time, up to an end, at which images that start without a shift have slid by whole cells.

@@ -11,12 +11,12 @@ use crate::{
 /// Fewest cells by which images of an oscillating shear slide from the middle to either side.
 const FEWEST_CELLS: f64 = 4.0;
 
-/// The box of a scene whose rate jumps where images have slid by whole cells on a grid of this spacing, unless that may be oblique.
+/// The box of a scene whose rate jumps where images have slid by whole cells on a grid of this spacing.
 ///
 /// # Errors
 /// They would slide by too few cells.
-pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64, may_be_oblique: bool) -> Result<Domain<D>> {
-    let Some(slide) = domain.slide().filter(|slide| !slide.protocol.steady() && !may_be_oblique) else { return Ok(domain) };
+pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64) -> Result<Domain<D>> {
+    let Some(slide) = domain.slide().filter(|slide| !slide.protocol.steady()) else { return Ok(domain) };
     let cell = domain.size[0] / cells_along(&domain.size, spacing)[0];
     let scheme = scene.time.as_ref().map_or(Scheme::TwoStep, |time| time.scheme);
     let unit = cell * ShiftPeriod::multiple(scheme, 0.0);

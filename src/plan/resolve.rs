@@ -114,7 +114,10 @@ impl<const D: usize> Setup<D> {
         let groups: Vec<usize> = placed.iter().map(|&(group, _)| group).collect();
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
         let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
-        let setup = Setup { domain: protocol::whole(scene, setup.domain.clone(), spacing, setup.may_be_oblique())?, ..setup };
+        let setup = match setup.may_be_oblique() {
+            true => setup,
+            false => Setup { domain: protocol::whole(scene, setup.domain, spacing)?, ..setup },
+        };
         let by_expressions = interactions::by_expressions(scene, setup.bodies.iter().map(|suspended| suspended.body.ball.radius))?;
         let more = interactions::friction(scene, &groups).into_iter().chain(by_expressions);
         let setup = Setup { interactions: Interactions::new(setup.interactions.shared().chain(more)), ..setup };

@@ -97,7 +97,7 @@ impl<const D: usize> FixedOperators<D> {
     /// The grid or the rank count does not fit.
     pub fn at_rest(session: &Session, setup: Setup<D>) -> Result<FixedOperators<D>> {
         let world = session.world();
-        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let grid = setup.grid(world.size(), world.rank())?;
         let stokes = Stokes::new(session, &grid);
         let flow = if grid.domain().fully_periodic() { None } else { Some(stokes.vector()?) };
         let undisturbed = (flow, Vec::new());

@@ -48,8 +48,7 @@ impl<const D: usize> JumpNodes<D> {
             (0..indices.extent()[axis] as isize).map(|along| coordinate(grid, lattice, axis, start + along)).collect()
         });
         let slope = grid.slope();
-        let squares =
-            if slope == 0.0 { squares(&coordinates, &placed.center) } else { oblique_squares(&coordinates, slope, &placed.center) };
+        let squares = squares(&coordinates, slope, &placed.center);
         let limit = placed.surface.modes.radius().powi(2);
         let outside = squares.iter().map(|&square| square > limit).collect();
         JumpNodes { unknowns, field, lattice, indices, coordinates, slope, squares, outside }
@@ -59,9 +58,7 @@ impl<const D: usize> JumpNodes<D> {
     pub fn position(&self, place: usize) -> SVector<f64, D> {
         let (index, start) = (self.indices.index(place), self.indices.start());
         let mut position = SVector::from_fn(|axis, _| self.coordinates[axis][(index[axis] - start[axis]) as usize]);
-        if self.slope != 0.0 {
-            position[0] += self.slope * position[1];
-        }
+        position[0] += self.slope * position[1];
         position
     }
 
@@ -131,17 +128,8 @@ fn coordinate<const D: usize>(grid: &Grid<D>, lattice: usize, axis: usize, index
     }
 }
 
-fn squares<const D: usize>(coordinates: &[Vec<f64>; D], center: &SVector<f64, D>) -> Vec<f64> {
-    let mut squares = vec![0.0];
-    for axis in 0..D {
-        let along: Vec<f64> = coordinates[axis].iter().map(|x| (x - center[axis]).powi(2)).collect();
-        squares = squares.iter().flat_map(|before| along.iter().map(move |square| before + square)).collect();
-    }
-    squares
-}
-
-/// As [`squares`], on oblique grids.
-fn oblique_squares<const D: usize>(coordinates: &[Vec<f64>; D], slope: f64, center: &SVector<f64, D>) -> Vec<f64> {
+/// Squares of distances from a centre, at straightened coordinates of a grid whose lines along y have a slope.
+fn squares<const D: usize>(coordinates: &[Vec<f64>; D], slope: f64, center: &SVector<f64, D>) -> Vec<f64> {
     let of_plane = coordinates[0]
         .iter()
         .flat_map(|x| coordinates[1].iter().map(move |y| (x + slope * y - center[0]).powi(2) + (y - center[1]).powi(2)));

@@ -62,7 +62,7 @@ impl<const D: usize> FittedFlow<D> {
             check_steady_state(&setup)?;
         }
         let world = session.world();
-        let grid = Grid::new(&setup.domain, setup.spacing, world.size(), world.rank())?;
+        let grid = setup.grid(world.size(), world.rank())?;
         let domain = plane(&setup.domain);
         let (session, cost) = (session.clone(), Cost::default());
         Ok(FittedFlow { session, setup, grid, domain, moving: None, mesh: None, past: None, history, cost })

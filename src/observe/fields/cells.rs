@@ -17,43 +17,32 @@ use crate::{
 /// On an oblique grid the centre of such a cell lies beside that of a cell of the grid: values are interpolated along x between four of these.
 pub struct CellCenters<const D: usize> {
     grid: Grid<D>,
-    /// For each of the cells [`beside`]: component by component the lower faces of all cells, then the upper ones, zero on walls and on open ends; then pressures.
-    values: Scatter,
+    /// For each of the cells [`beside`]: component by component the lower faces of all cells, then the upper ones; zero on walls and on open ends.
+    faces: Scatter,
 }
 
-/// Cells beside one between whose centres is interpolated, at these places.
+/// Cells along x from each one's own between whose centres is interpolated.
 const BESIDE: [isize; 4] = [-1, 0, 1, 2];
-const PLACES: [f64; 4] = [-1.0, 0.0, 1.0, 2.0];
 
 impl<const D: usize> CellCenters<D> {
     /// Plans the exchange of faces between ranks; `fluid` is any fluid vector.
     pub fn new(grid: &Grid<D>, fluid: &Vector) -> Result<CellCenters<D>> {
-        let (cells, mut wanted) = (grid.block(D).len(), Vec::new());
-        let (beside, sides) = (beside(grid), 2 * D + 1);
-        for (number, &along_x) in beside.iter().enumerate() {
-            for side in 0..sides {
-                let (field, upper) = if side < 2 * D { (side / 2, side % 2) } else { (D, 0) };
-                add_values(grid, (field, upper), along_x, (number * sides + side) * cells, &mut wanted);
-            }
-        }
-        let values = Scatter::of_runs(fluid, beside.len() * sides * cells, wanted.into_iter())?;
-        Ok(CellCenters { grid: grid.clone(), values })
+        let sides = (0..2 * D).map(|side| (side / 2, side % 2));
+        Ok(CellCenters { grid: grid.clone(), faces: scatter(grid, fluid, sides)? })
     }
 
     /// The velocity of a fluid vector at the centres of this rank's cells, in the order of its block.
     pub fn velocity(&mut self, fluid: &Vector) -> Result<Vec<SVector<f64, D>>> {
-        let (values, cells) = (self.values.fetch(fluid)?, self.grid.block(D).len());
+        let (faces, cells) = (self.faces.fetch(fluid)?, self.grid.block(D).len());
         let mean = |from: &[f64], cell: usize, component: usize| {
             0.5 * (from[2 * component * cells + cell] + from[(2 * component + 1) * cells + cell])
         };
-        let weights = weights(&self.grid);
         let of_cell = |(cell, weights): (usize, [f64; 4])| {
             SVector::from_fn(|component, _| {
-                let beside = values.chunks_exact((2 * D + 1) * cells).zip(weights);
-                beside.map(|(from, weight)| weight * mean(from, cell, component)).sum()
+                faces.chunks_exact(2 * D * cells).zip(weights).map(|(from, weight)| weight * mean(from, cell, component)).sum()
             })
         };
-        let mut velocities: Vec<SVector<f64, D>> = weights.enumerate().map(of_cell).collect();
+        let mut velocities: Vec<SVector<f64, D>> = weights(&self.grid).enumerate().map(of_cell).collect();
         if let Some(ends) = OpenEnds::of(&self.grid, fluid)? {
             let axis = ends.axis();
             for (velocity, cell) in velocities.iter_mut().zip(self.grid.block(D).indices()) {
@@ -66,25 +55,36 @@ impl<const D: usize> CellCenters<D> {
     }
 
     /// The pressure of a fluid vector there.
-    pub fn pressure(&mut self, fluid: &Vector) -> Result<Vec<f64>> {
-        let (values, cells) = (self.values.fetch(fluid)?, self.grid.block(D).len());
-        let of_cell = |(cell, weights): (usize, [f64; 4])| {
-            let beside = values.chunks_exact((2 * D + 1) * cells).zip(weights);
-            beside.map(|(from, weight)| weight * from[2 * D * cells + cell]).sum()
-        };
+    pub fn pressure(&self, fluid: &Vector) -> Result<Vec<f64>> {
+        if self.grid.slope() == 0.0 {
+            return Ok(fluid.local()?[self.grid.local_range(D)].to_vec());
+        }
+        let mut pressures = scatter(&self.grid, fluid, [(D, 0)].into_iter())?;
+        let (pressures, cells) = (pressures.fetch(fluid)?, self.grid.block(D).len());
+        let of_cell =
+            |(cell, weights): (usize, [f64; 4])| pressures.chunks_exact(cells).zip(weights).map(|(from, weight)| weight * from[cell]).sum();
         Ok(weights(&self.grid).enumerate().map(of_cell).collect())
     }
+}
+
+/// The exchange of values of the cells [`beside`] this rank's: for each of these, field by field with the side of the cell on which it stands, 0 below, 1 above.
+fn scatter<const D: usize>(grid: &Grid<D>, fluid: &Vector, sides: impl Iterator<Item = (usize, usize)> + Clone) -> Result<Scatter> {
+    let (cells, mut wanted, mut place) = (grid.block(D).len(), Vec::new(), 0);
+    for &along_x in beside(grid) {
+        for side in sides.clone() {
+            add_values(grid, side, along_x, place, &mut wanted);
+            place += cells;
+        }
+    }
+    Scatter::of_runs(fluid, place, wanted.into_iter())
 }
 
 /// For each of this rank's cells the weights of the values [`beside`] it at the centre of the upright cell of its index.
 pub(super) fn weights<const D: usize>(grid: &Grid<D>) -> impl Iterator<Item = [f64; 4]> + use<'_, D> {
     let alone = grid.slope() == 0.0;
-    let of_height = move |y: f64| lagrange(&PLACES, -grid.slope() * y / grid.spacing()[0]);
-    grid.block(D).indices().map(
-        move |cell| {
-            if alone { [1.0, 0.0, 0.0, 0.0] } else { of_height((cell[1] as f64 + 0.5) * grid.spacing()[1]) }
-        },
-    )
+    let of_height = move |y: f64| lagrange(&BESIDE.map(|cell| cell as f64), -grid.slope() * y / grid.spacing()[0]);
+    let of_row = move |row: usize| if alone { [1.0, 0.0, 0.0, 0.0] } else { of_height((row as f64 + 0.5) * grid.spacing()[1]) };
+    grid.block(D).indices().map(move |cell| of_row(cell[1]))
 }
 
 /// Cells along x from each one's own, between whose centres values at upright cells are interpolated.
