@@ -59,6 +59,7 @@
 //! | 6 | [`cli`] | the command line |
 
 // floor 0: the machine
+mod dimension;
 pub mod error;
 pub mod linalg;
 pub mod parallel;

@@ -26,6 +26,7 @@ use super::{
 use crate::{
     body::{Row, Twist},
     contact::{AdhesiveContact, ContactForce, FrictionReport, KktReport},
+    dimension::same,
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
@@ -98,6 +99,26 @@ pub(super) struct FlowRows<'a, const D: usize> {
     /// The step in which springs move.
     pub(super) step: f64,
     pub(super) tolerance: f64,
+}
+
+/// What moves bodies of a suspension with a step control.
+pub(super) fn stepper<const D: usize>(
+    session: &Session,
+    suspension: Box<dyn FlowSolver<D>>,
+    step_control: StepControl,
+) -> Box<dyn Stepper<D>> {
+    match D {
+        2 => same(in_plane(session, same(suspension), step_control)),
+        _ => same(in_space(session, same(suspension), step_control)),
+    }
+}
+
+fn in_plane(session: &Session, suspension: Box<dyn FlowSolver<2>>, step_control: StepControl) -> Box<dyn Stepper<2>> {
+    Box::new(QuasiStatic::new(session, suspension, step_control))
+}
+
+fn in_space(session: &Session, suspension: Box<dyn FlowSolver<3>>, step_control: StepControl) -> Box<dyn Stepper<3>> {
+    Box::new(QuasiStatic::new(session, suspension, step_control))
 }
 
 impl<const D: usize> QuasiStatic<D> {

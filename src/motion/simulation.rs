@@ -4,9 +4,9 @@ use std::{borrow::Cow, ops::Range};
 
 use super::{
     given_motions::GivenStep,
-    granular::{Granular, GranularSetup, migration::own_part},
+    granular::{self, GranularSetup, migration::own_part},
     longest_step::{longest_step_in_flow, longest_step_of_protocol},
-    quasi_static::{QuasiStatic, velocities},
+    quasi_static::{self, velocities},
     shift_period::ShiftPeriod,
     step_control::StepControl,
     stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
@@ -71,8 +71,8 @@ impl<const D: usize> Simulation<D> {
     pub fn granular(session: &Session, setup: GranularSetup<D>, time: TimeSection) -> Simulation<D> {
         let step_control = StepControl { time, shift_period: None, protocol: None, longest: setup.longest_step(), by_twos: false };
         let domain = setup.domain.clone();
-        let (stepper, state) = Granular::start(session, setup, step_control.clone());
-        Simulation::driven(session, Box::new(stepper), (state, domain), step_control)
+        let (stepper, state) = granular::stepper(session, setup, step_control.clone());
+        Simulation::driven(session, stepper, (state, domain), step_control)
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
@@ -86,7 +86,7 @@ impl<const D: usize> Simulation<D> {
         let at_rest = |suspended: &SuspendedBody<D>| (suspended.body.ball.center, Twist::zero());
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
-        let stepper = Box::new(QuasiStatic::new(session, suspension, step_control.clone()));
+        let stepper = quasi_static::stepper(session, suspension, step_control.clone());
         Simulation::driven(session, stepper, (state, domain), step_control)
     }
 

@@ -2,6 +2,7 @@
 
 use super::interactions;
 use crate::{
+    dimension::same,
     error::Result,
     interaction::{Interaction, Interactions},
     mechanics::{FittedFlow, FlowSolver, ScalarSetup, Suspension, UnsteadySuspension},
@@ -154,6 +155,18 @@ impl<const D: usize> Simulation<D> {
 /// # Errors
 /// Bodies, grid or rank count do not fit, or no steady state exists.
 pub fn flow_solver<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
+    if D == 2 { same(in_plane(session, same(setup))) } else { same(in_space(session, same(setup))) }
+}
+
+fn in_plane(session: &Session, setup: Setup<2>) -> Result<Box<dyn FlowSolver<2>>> {
+    solver_of(session, setup)
+}
+
+fn in_space(session: &Session, setup: Setup<3>) -> Result<Box<dyn FlowSolver<3>>> {
+    solver_of(session, setup)
+}
+
+fn solver_of<const D: usize>(session: &Session, setup: Setup<D>) -> Result<Box<dyn FlowSolver<D>>> {
     match setup.constraint {
         ConstraintMethod::Fitted => Ok(Box::new(FittedFlow::new(session, setup)?)),
         _ if setup.inertia.is_some() => Ok(Box::new(UnsteadySuspension::new(session, setup)?)),

@@ -4,9 +4,9 @@ use std::{f64::consts::PI, path::Path};
 
 use turbid::{
     error::Error,
-    mechanics::Suspension,
     motion::Simulation,
     petsc::Session,
+    plan::flow_solver,
     run::{EstimatedQuantity, Finished, Options, RefinementSequence, complete, refine_whole_runs},
     scene::Scene,
     setup::Setup,
@@ -92,7 +92,7 @@ fn modes_are_chosen_by_what_they_bear(session: &Session) {
              [[bodies]]\nradius = 1.0\ncenters = [[0.7, 0.7, 0.7], [2.21685, 2.21685, 2.21685]]\nmotion = \"fixed\""
         );
         let scene = Scene::parse("array", Path::new("."), &text, &[]).unwrap();
-        let solution = Suspension::new(session, Setup::<3>::of(&scene).unwrap()).unwrap().solve(&mut |_, _| {}).unwrap();
+        let solution = flow_solver(session, Setup::<3>::of(&scene).unwrap()).unwrap().solve(&mut |_, _| {}).unwrap();
         let drag = solution.bodies[0].force[0] / (6.0 * PI);
         assert!((drag / 12.667 - 1.0).abs() < 4e-3, "{cells} cells, {films}: {drag}");
     }

@@ -14,10 +14,10 @@ use turbid::{
     interaction::{
         Arrangement, Expression, Forces, Gluey, Inelastic, Interaction, Interactions, Lubrication, PairForce, PairForceLaw, Repulsion,
     },
-    mechanics::Suspension,
+    mechanics::{FlowSolver, Suspension},
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::{Session, Vector},
-    plan::Plan,
+    plan::{Plan, flow_solver},
     scene::{BodyGroup, ConstraintMethod, FlowModel, Placement, Scene, Scheme, Step, TimeSection, Tolerance},
     setup::Setup,
 };
@@ -240,9 +240,9 @@ pub fn setup(interactions: Interactions<2>) -> Setup<2> {
 }
 
 fn quasi_static(session: &Session) -> Simulation<2> {
-    let suspension = Suspension::new(session, setup(all_interactions())).unwrap();
+    let suspension = flow_solver(session, setup(all_interactions())).unwrap();
     // neighbours move little relative to each other
-    Simulation::flowing(session, Box::new(suspension), TimeSection { travel: 0.02, error: 4e-5, ..time(1.5) })
+    Simulation::flowing(session, suspension, TimeSection { travel: 0.02, error: 4e-5, ..time(1.5) })
 }
 
 fn steppers_conform(session: &Session) {
@@ -291,7 +291,7 @@ fn a_force_at_a_distance_moves_bodies_in_a_flow_as_its_wrench_does(session: &Ses
         suspended.body.motion = Motion::Free { force: wrench.force, torque: wrench.torque };
     }
     let twists = |setup: Setup<2>| {
-        let solution = Suspension::new(session, setup).unwrap().solve(&mut |_, _| {}).unwrap();
+        let solution = flow_solver(session, setup).unwrap().solve(&mut |_, _| {}).unwrap();
         solution.bodies.iter().map(|body| body.twist.velocity).collect::<Vec<_>>()
     };
     let (undisturbed, by_spring, by_force) = (twists(free), twists(setup(Interactions::default().with(springs))), twists(given));
@@ -325,15 +325,16 @@ impl StokesInverse<2> for HalfInverse {
 }
 
 fn an_inverse_of_ones_own_is_one_implementation(session: &Session) {
-    let solved = |suspension: Result<Suspension<2>>| {
+    let solved = |suspension: Result<Box<dyn FlowSolver<2>>>| {
         let solution = suspension.unwrap().solve(&mut |_, _| {}).unwrap();
         solution.bodies.iter().map(|body| body.twist.velocity).collect::<Vec<_>>()
     };
     let setup = setup(Interactions::default().with(Springs { stiffness: 2.0, reach: 0.5 }));
+    let boxed = |suspension| Box::new(suspension) as Box<dyn FlowSolver<2>>;
     let own = |stokes: &Stokes<2>, grid: &Grid<2>| -> Result<Box<dyn StokesInverse<2>>> {
         Ok(Box::new(HalfInverse(InverseMethod::Hypre.set_up(stokes, grid)?)))
     };
-    let (exact, by_half) = (solved(Suspension::new(session, setup.clone())), solved(Suspension::with_inverse(session, setup, own)));
+    let (exact, by_half) = (solved(flow_solver(session, setup.clone())), solved(Suspension::with_inverse(session, setup, own).map(boxed)));
     let apart = exact.iter().zip(&by_half).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-7, "{apart:e}");
 }

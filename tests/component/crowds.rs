@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use turbid::{mechanics::Suspension, petsc::Session, scene::Scene, setup::Setup};
+use turbid::{petsc::Session, plan::flow_solver, scene::Scene, setup::Setup};
 
 use crate::Test;
 
@@ -36,9 +36,8 @@ fn text(size: &str, walls: &str, cells: usize, bodies: &str, inverse: &str) -> S
 
 fn iterations<const D: usize>(session: &Session, text: &str) -> usize {
     let scene = Scene::parse("crowd", Path::new("."), text, &[]).unwrap();
-    let mut suspension = Suspension::new(session, Setup::<D>::of(&scene).unwrap()).unwrap();
-    suspension.solve(&mut |_, _| ()).unwrap();
-    suspension.cost().krylov.iterations
+    let mut suspension = flow_solver(session, Setup::<D>::of(&scene).unwrap()).unwrap();
+    suspension.solve(&mut |_, _| ()).unwrap().cost.krylov.iterations
 }
 
 /// Measured: 16 and 18 for disks by transforms, 46 and 58 by multigrid, 12 and 14 for spheres.

@@ -8,10 +8,11 @@ use turbid::{
     friction::{FrictionLaw, SurfaceFriction},
     geometry::{Axis, Ball, Domain},
     interaction::{Friction, Lubrication, UnequalFriction},
-    mechanics::{FlowSolver, History, Suspension},
+    mechanics::{FlowSolver, History},
     motion::{Observation, Simulation},
     observe,
     petsc::Session,
+    plan::flow_solver,
     scene::{ContactModel, Scheme, Step, TimeSection, Tolerance},
     setup::{Setup, SuspendedBody},
 };
@@ -67,7 +68,7 @@ pub fn rubbing_by<const D: usize>(session: &Session, setup: Setup<D>, law: Frict
         setup.with(UnequalFriction { friction, surfaces: SurfaceFriction::uniform(law) })
     };
     let scheme = if law.convex { Scheme::Euler } else { Scheme::TwoStep };
-    Simulation::flowing(session, Box::new(Suspension::new(session, setup).unwrap()), TimeSection { scheme, ..time(step) })
+    Simulation::flowing(session, flow_solver(session, setup).unwrap(), TimeSection { scheme, ..time(step) })
 }
 
 /// What there is before a step.

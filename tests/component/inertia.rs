@@ -9,10 +9,11 @@ use turbid::{
     flow::{Convection, Drive, FluidSystem, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, Inflow, LeesEdwards},
     grid::{Grid, operators::signed},
-    mechanics::{EvolutionOnGrid, FittedFlow, FlowSolver, History, MeshLevel, Suspension, UnsteadySuspension},
+    mechanics::{FittedFlow, FlowSolver, History, MeshLevel},
     motion::Simulation,
     observe,
     petsc::{Session, Vector},
+    plan::flow_solver,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scene, Scheme, Step, TimeSection, Tolerance},
     setup::{Configuration, Inertia, Setup, SuspendedBody},
     system::{ExtrapolationHistory, Level, Snapshot},
@@ -187,7 +188,7 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
     let error = |cells: usize| {
         let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic; 2] };
         let setup = Setup { drive: Drive::MeanVelocity(wind), ..setup(domain, 1.0 / cells as f64, viscosity, Vec::new()) };
-        let mut flow = UnsteadySuspension::new(session, setup).unwrap();
+        let mut flow = flow_solver(session, setup).unwrap();
         let exact = |time: f64| {
             let decay = (-2.0 * wave * wave * viscosity * time).exp();
             let at = |x: &Vector2<f64>| x - wind * time;
@@ -202,7 +203,7 @@ fn a_vortex_that_is_carried_along_is_followed_at_second_order(session: &Session)
             fluid
         };
         let (start, last) = (exact(0.0), exact(end));
-        let found = followed(&mut flow, start, (end, cells));
+        let found = followed(flow.as_mut(), start, (end, cells));
         distance(session, flow.grid(), found, &last)
     };
     at_second_order(error, 0.02);
@@ -214,7 +215,7 @@ fn fluid_vector(session: &Session, grid: &Grid<2>) -> Vector {
 }
 
 /// The flow without bodies that comes of another in so many steps to an end.
-fn followed(flow: &mut UnsteadySuspension<2>, fluid: Vector, (end, steps): (f64, usize)) -> Vector {
+fn followed(flow: &mut dyn FlowSolver<2>, fluid: Vector, (end, steps): (f64, usize)) -> Vector {
     let (multipliers, centers, twists) = (Vec::new(), Vec::new(), Vec::new());
     let start = Level {
         time: 0.0,
@@ -259,14 +260,14 @@ fn a_wave_that_a_sheared_box_tilts_is_followed_at_second_order(session: &Session
         let slide = LeesEdwards::steady(0.0, 1.0, 0.0);
         let domain = Domain { size: Vector2::new(1.0, 1.0), axes: [Axis::Periodic, Axis::Sheared(slide)] };
         let setup = Setup { drive: Drive::Shear(1.0), ..setup(domain, 1.0 / cells as f64, viscosity, Vec::new()) };
-        let mut flow = UnsteadySuspension::new(session, setup).unwrap();
+        let mut flow = flow_solver(session, setup).unwrap();
         let shape = fluid_vector(session, flow.grid());
         let exact = |grid: &Grid<2>, time: f64| {
             let decay = (-viscosity * wave * wave * (time + time.powi(3) / 3.0)).exp() / (1.0 + time * time);
             stream(grid, &shape, |x| (wave * (x[0] - time * x[1])).cos() * decay / wave)
         };
         let start = exact(flow.grid(), 0.0);
-        let found = followed(&mut flow, start, (end, cells));
+        let found = followed(flow.as_mut(), start, (end, cells));
         distance(session, flow.grid(), found, &exact(flow.grid(), end))
     };
     at_second_order(error, 0.004);
@@ -321,8 +322,8 @@ fn closed<const D: usize>(size: [f64; D]) -> Domain<D> {
 
 fn run<const D: usize>(session: &Session, setup: Setup<D>, step: f64, end: f64) -> Simulation<D> {
     let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
-    let flow = UnsteadySuspension::new(session, setup.with_contact(ContactModel::Inelastic)).unwrap();
-    let mut simulation = Simulation::flowing(session, Box::new(flow), time);
+    let flow = flow_solver(session, setup.with_contact(ContactModel::Inelastic)).unwrap();
+    let mut simulation = Simulation::flowing(session, flow, time);
     while !simulation.over() {
         let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
         simulation.step(&observation, &mut |_, _| {}).unwrap();
@@ -473,7 +474,7 @@ fn what_flows_in_flows_on_and_out(session: &Session) {
     fn proof<const D: usize>(session: &Session, axes: [Axis<D>; D], inverse: InverseMethod) {
         let domain = Domain { size: SVector::from_fn(|axis, _| if axis == 0 { 2.0 } else { 1.0 }), axes };
         let (open, inflow) = domain.open().unwrap();
-        let mut flow = UnsteadySuspension::new(session, Setup { inverse, ..setup(domain.clone(), 1.0 / 12.0, 0.02, Vec::new()) }).unwrap();
+        let mut flow = flow_solver(session, Setup { inverse, ..setup(domain.clone(), 1.0 / 12.0, 0.02, Vec::new()) }).unwrap();
         let mut solution = flow.solve_at(&configuration(&[], 0.0), &mut |_, _| {}).unwrap();
         for step in 1..=6 {
             solution = flow.solve_at(&configuration(&[], 0.02 * f64::from(step)), &mut |_, _| {}).unwrap();
@@ -508,7 +509,7 @@ fn a_disk_in_an_open_channel_is_dragged_as_in_a_periodic_one(session: &Session) 
              bodies = [{{ radius = 0.125, centers = [[1.5, 0.45]], motion = \"fixed\" }}]\n"
         );
         let scene = Scene::parse("channel", Path::new("."), &text, &[]).unwrap();
-        let solution = Suspension::<2>::new(session, Setup::of(&scene).unwrap()).unwrap().solve(&mut |_, _| {}).unwrap();
+        let solution = flow_solver::<2>(session, Setup::of(&scene).unwrap()).unwrap().solve(&mut |_, _| {}).unwrap();
         assert!((solution.mean_velocity[0] - 1.0).abs() < 2e-3, "{}", solution.mean_velocity);
         solution.bodies[0].force[0]
     };
@@ -519,15 +520,15 @@ fn a_disk_in_an_open_channel_is_dragged_as_in_a_periodic_one(session: &Session) 
 fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session) {
     let flow = || {
         let disks = vec![disk_at(0.7, 2.0), disk_at(1.2, 2.3)];
-        UnsteadySuspension::new(session, setup(closed([2.0, 3.0]), 0.125 / 4.0, 0.1, disks)).unwrap()
+        flow_solver(session, setup(closed([2.0, 3.0]), 0.125 / 4.0, 0.1, disks)).unwrap()
     };
     let centers = |step: usize| [Vector2::new(0.7, 2.0 - 0.003 * step as f64), Vector2::new(1.2, 2.3 - 0.004 * step as f64)];
-    let solve = |flow: &mut UnsteadySuspension<2>, step: usize| {
+    let solve = |flow: &mut dyn FlowSolver<2>, step: usize| {
         flow.solve_at(&configuration(&centers(step), 0.002 * step as f64), &mut |_, _| {}).unwrap()
     };
     let mut whole = flow();
-    (0..4).for_each(|step| drop(solve(&mut whole, step)));
-    let copies = whole.levels().into_iter().map(|level| {
+    (0..4).for_each(|step| drop(solve(whole.as_mut(), step)));
+    let copies = whole.history(f64::INFINITY).levels.into_iter().map(|level| {
         let mut fluid = level.fluid.like().unwrap();
         fluid.copy_from(&level.fluid).unwrap();
         let Level { time, multipliers, smooth, slow, lagging, centers, twists, spin_ups, impulses, resolved, .. } = level;
@@ -538,12 +539,12 @@ fn a_step_from_remembered_levels_is_the_step_of_the_whole_run(session: &Session)
     });
     let mut resumed = flow();
     resumed.restore(History { levels: copies.collect(), ..History::default() }).unwrap();
-    let (one, other) = (solve(&mut whole, 4), solve(&mut resumed, 4));
+    let (one, other) = (solve(whole.as_mut(), 4), solve(resumed.as_mut(), 4));
     for (one, other) in one.bodies.iter().zip(&other.bodies) {
         assert!((one.twist.velocity - other.twist.velocity).norm() < 1e-6 * one.twist.velocity.norm());
     }
     // again at the same time, as contacts ask for, is the same step
-    let again = solve(&mut whole, 4);
+    let again = solve(whole.as_mut(), 4);
     assert!((again.bodies[0].twist.velocity - one.bodies[0].twist.velocity).norm() < 1e-6 * one.bodies[0].twist.velocity.norm());
 }
 
@@ -610,7 +611,7 @@ fn fitted(setup: Setup<2>) -> Setup<2> {
 fn a_fitted_mesh_follows_a_falling_disk_at_second_order(session: &Session) {
     let speed = |setup: Setup<2>, step: f64, end: f64| {
         let time = TimeSection { step: Step::Fixed(step), end, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
-        let mut simulation = Simulation::flowing(session, Box::new(FittedFlow::new(session, fitted(setup)).unwrap()), time);
+        let mut simulation = Simulation::flowing(session, flow_solver(session, fitted(setup)).unwrap(), time);
         while !simulation.over() {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             simulation.step(&observation, &mut |_, _| {}).unwrap();

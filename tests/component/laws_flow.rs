@@ -5,9 +5,9 @@ use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, Domain},
-    mechanics::{FlowSolver, Suspension},
     motion::{Observation, Simulation},
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, ContactModel, Scheme, Step, TimeSection, Tolerance},
     setup::Setup,
 };
@@ -50,7 +50,7 @@ fn channel(disks: &[([f64; 2], [f64; 2])]) -> Setup<2> {
 
 fn start(session: &Session, setup: Setup<2>, step: Step, contact: ContactModel) -> Simulation<2> {
     let time = TimeSection { step, end: 100.0, scheme: Scheme::TwoStep, travel: 0.1, error: 1e-3, until: None };
-    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
+    Simulation::flowing(session, flow_solver(session, setup.with_contact(contact)).unwrap(), time)
 }
 
 fn step(simulation: &mut Simulation<2>) -> Observation<2> {
@@ -123,7 +123,7 @@ fn a_chain_pressed_to_the_floor_sticks_until_it_was_pulled_as_much(session: &Ses
 fn resistances_are_known_before_anything_is_built(session: &Session) {
     let setup = channel(&[([2.0, 2.0], [0.0, 0.0]), ([5.0, 3.0], [0.0, 0.0])]);
     let early = setup.resistance(&setup.bodies[0].body.ball);
-    for resistance in Suspension::new(session, setup).unwrap().resistance().of_bodies() {
+    for resistance in flow_solver(session, setup).unwrap().resistance().of_bodies() {
         assert!((resistance / early - 1.0).abs() < 1e-12, "{resistance} and {early}");
     }
 }

@@ -10,9 +10,9 @@ use turbid::{
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
     interaction::{Interactions, Lubrication},
-    mechanics::{FlowSolver, Suspension},
     observe::{Viscosity, viscosity},
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, Tolerance},
     setup::{Setup, SuspendedBody},
     system::{BodyState, Solution},
@@ -89,7 +89,7 @@ fn periodic<const D: usize>(size: f64) -> Domain<D> {
 }
 
 fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> Solution<D> {
-    Suspension::new(session, setup).unwrap().solve(&mut |_, _| {}).unwrap()
+    flow_solver(session, setup).unwrap().solve(&mut |_, _| {}).unwrap()
 }
 
 /// A unit vector and a vector across it.
@@ -317,7 +317,7 @@ fn sheared<const D: usize>(size: [f64; D], cells: f64, order: usize, centers: &[
 }
 
 fn shear_viscosity<const D: usize>(session: &Session, setup: Setup<D>) -> (Viscosity, Solution<D>) {
-    let mut suspension = Suspension::new(session, setup).unwrap();
+    let mut suspension = flow_solver(session, setup).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     (viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap(), solution)
 }
@@ -360,7 +360,7 @@ fn the_random_cell_has_its_viscosity_with_few_modes(session: &Session) {
         let bodies = centers.iter().map(|center| (Ball { center: Vector2::new(center[0], center[1]), radius }, free())).collect();
         let mut setup = setup(periodic::<2>(1.0), 6.0 / radius, order, bodies);
         setup.drive = Drive::Shear(1.0);
-        let mut suspension = Suspension::new(session, setup).unwrap();
+        let mut suspension = flow_solver(session, setup).unwrap();
         let solution = suspension.solve(&mut |_, _| {}).unwrap();
         let found = viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().relative();
         assert!((found / 2.2380 - 1.0).abs() < 1e-3, "{order} modes: {found}");

@@ -12,10 +12,11 @@ use turbid::{
     flow::{Drive, InverseMethod},
     grid::{Grid, Node},
     linalg::SparseRows,
-    mechanics::{FlowSolver, Suspension},
+    mechanics::Suspension,
     motion::Simulation,
     observe,
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
     setup::Setup,
 };
@@ -200,8 +201,8 @@ fn multigrid_and_transforms_agree(session: &Session) {
 fn iterations_of_the_penalty_feel_neither_spacing_nor_epsilon(session: &Session) {
     for (cells, epsilon) in [(16, 1e-6), (48, 1e-2), (48, 1e-4), (48, 1e-8), (48, 1e-12)] {
         let setup = array(ConstraintMethod::Penalty(Some(epsilon)), cells, [0.513, 0.527]);
-        let (suspension, _) = solve(session, Setup { inverse: InverseMethod::Hypre, tolerance: Tolerance::Fixed(1e-6), ..setup });
-        let iterations = suspension.cost().krylov.iterations;
+        let (_, solution) = solve(session, Setup { inverse: InverseMethod::Hypre, tolerance: Tolerance::Fixed(1e-6), ..setup });
+        let iterations = solution.cost.krylov.iterations;
         assert!(iterations <= 30, "{cells} cells, epsilon {epsilon:e}: {iterations} iterations");
     }
 }
@@ -216,8 +217,8 @@ fn the_penalty_errs_in_proportion_to_epsilon(session: &Session) {
 fn uzawa_finds_what_krylov_finds(session: &Session) {
     let by = |solver, cells| {
         let setup = array(ConstraintMethod::MeanValue(solver), cells, [0.513, 0.527]);
-        let (suspension, solution) = solve(session, Setup { tolerance: Tolerance::Fixed(1e-7), ..setup });
-        (solution.bodies[0].force[0], suspension.cost().krylov.iterations)
+        let (_, solution) = solve(session, Setup { tolerance: Tolerance::Fixed(1e-7), ..setup });
+        (solution.bodies[0].force[0], solution.cost.krylov.iterations)
     };
     let (coarse, fine) = (by(MultiplierSolver::Uzawa(None), 16), by(MultiplierSolver::Uzawa(None), 48));
     assert_near("drag", coarse.0, by(MultiplierSolver::Krylov, 16).0, 1e-5);
@@ -226,7 +227,7 @@ fn uzawa_finds_what_krylov_finds(session: &Session) {
 
 fn uzawa_beyond_its_bound_diverges_with_a_diagnosis(session: &Session) {
     let setup = array(ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(Some(100.0))), 16, [0.5, 0.5]);
-    let failure = Suspension::new(session, setup).unwrap().solve(&mut |_, _| {}).err().unwrap().to_string();
+    let failure = flow_solver(session, setup).unwrap().solve(&mut |_, _| {}).err().unwrap().to_string();
     assert!(failure.contains("method.uzawa_step = 100.000 lies beyond its bound"), "{failure}");
 }
 
@@ -239,9 +240,9 @@ fn spheres(session: &Session) {
         let sphere = suspended(Vector3::new(0.513, 0.527, 0.481), radius, fixed(), 3);
         let setup = periodic_cube(1.0 / 17.0, Drive::MeanVelocity(Vector3::x()), vec![sphere]);
         let setup = Setup { constraint, inverse: InverseMethod::Transform, tolerance: Tolerance::Fixed(1e-6), ..setup };
-        let (suspension, solution) = solve(session, setup);
+        let (_, solution) = solve(session, setup);
         assert_near(constraint.word(), solution.bodies[0].force[0], reference, error);
-        let iterations = suspension.cost().krylov.iterations;
+        let iterations = solution.cost.krylov.iterations;
         assert!(iterations < 100, "{}: {iterations} iterations", constraint.word());
     }
 }
@@ -250,7 +251,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
     for constraint in [MEAN_VALUE, ConstraintMethod::Distributed, PENALTY] {
         let bodies = [[0.2, 0.3], [0.7, 0.4], [0.45, 0.8]].map(|center| suspended(center.into(), 0.12, free(), 4));
         let setup = Setup { constraint, tolerance: Tolerance::Fixed(1e-9), ..couette(1.0, 0.03, 1.0, bodies.to_vec()) };
-        let mut suspension = Suspension::new(session, setup.clone()).unwrap();
+        let mut suspension = flow_solver(session, setup.clone()).unwrap();
         suspension.solve(&mut |_, _| {}).unwrap();
         let mut moved = setup;
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
@@ -265,7 +266,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
             tolerance: 1e-9,
         };
         let kept = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
-        let mut assembled = [suspension.cost().assembled as f64];
+        let mut assembled = [kept.cost.assembled as f64];
         session.world().sum(&mut assembled);
         assert_eq!(assembled[0], 1.0, "{}", constraint.word());
         let (_, fresh) = solve(session, moved);
@@ -281,8 +282,8 @@ fn all_methods_move_two_disks_past_each_other(session: &Session) {
         let bodies = [[0.3, 0.58], [0.7, 0.42]].map(|center| suspended(center.into(), 0.12, free(), 5));
         let setup = Setup { constraint, tolerance: Tolerance::Fixed(1e-6), ..couette(1.0, 0.024, 1.0, bodies.to_vec()) };
         let time = TimeSection { step: Step::Fixed(0.1), end: 1.0, travel: 0.1, error: 1e-3, scheme: Scheme::TwoStep, until: None };
-        let suspension = Suspension::new(session, setup).unwrap();
-        let mut simulation = Simulation::flowing(session, Box::new(suspension), time);
+        let suspension = flow_solver(session, setup).unwrap();
+        let mut simulation = Simulation::flowing(session, suspension, time);
         while !simulation.over() {
             let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
             simulation.step(&observation, &mut |_, _| {}).unwrap();
@@ -331,5 +332,5 @@ fn a_method_of_ones_own_is_one_implementation(session: &Session) {
     let mut suspension = Suspension::with_method(session, setup, Rc::new(Nearest)).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     assert_near("drag", solution.bodies[0].force[0], DRAG, 0.25);
-    assert!(suspension.cost().krylov.iterations < 200, "{} iterations", suspension.cost().krylov.iterations);
+    assert!(solution.cost.krylov.iterations < 200, "{} iterations", solution.cost.krylov.iterations);
 }

@@ -7,10 +7,10 @@ use turbid::{
     body::{Motion, pack},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
-    mechanics::{FlowSolver, Suspension},
     motion::{Observation, Simulation},
     observe::{self, Part},
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, ContactModel, Scene, Scheme, Step, TimeSection, Tolerance},
     setup::{Configuration, Setup, SuspendedBody},
 };
@@ -71,9 +71,9 @@ fn sheared(count: usize) -> Setup<2> {
 fn a_warm_start_saves_iterations(session: &Session) {
     for inverse in [InverseMethod::Hypre, InverseMethod::Transform] {
         for (tolerance, part) in [(Tolerance::Auto, 0.6), (Tolerance::Fixed(1e-6), 0.9)] {
-            let suspension = Suspension::new(session, Setup { inverse, tolerance, ..sheared(60) }).unwrap();
+            let suspension = flow_solver(session, Setup { inverse, tolerance, ..sheared(60) }).unwrap();
             // in which the fastest bodies, beside the walls, move a tenth of a radius
-            let mut simulation = Simulation::flowing(session, Box::new(suspension), time(Step::Fixed(0.012), 1.0, Scheme::TwoStep));
+            let mut simulation = Simulation::flowing(session, suspension, time(Step::Fixed(0.012), 1.0, Scheme::TwoStep));
             let mut iterations = Vec::new();
             for _ in 0..8 {
                 let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
@@ -111,7 +111,7 @@ fn closed_box(size: [f64; 2], cells_per_radius: f64, bodies: Vec<SuspendedBody<2
 }
 
 fn simulate(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {
-    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
+    Simulation::flowing(session, flow_solver(session, setup.with_contact(contact)).unwrap(), time)
 }
 
 /// Looks and makes a step.
@@ -138,14 +138,14 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     }
     let warm = simulation.evaluate(&mut |_, _| {}).unwrap();
     let centers = simulation.state().centers();
-    let mut fresh = Suspension::new(session, setup).unwrap();
+    let mut fresh = flow_solver(session, setup).unwrap();
     let cold = fresh
         .solve_at(
             &Configuration { centers: &centers, time: 0.0, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance: 1e-8 },
             &mut |_, _| {},
         )
         .unwrap();
-    assert!(warm.effort.iterations < fresh.cost().krylov.iterations, "the start was not warm");
+    assert!(warm.effort.iterations < cold.cost.krylov.iterations, "the start was not warm");
     let fastest = cold.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
     for (warm, cold) in warm.twists.iter().zip(&cold.bodies) {
         let error = (warm.velocity - cold.twist.velocity).norm() / fastest;
@@ -173,7 +173,7 @@ fn a_neutrally_buoyant_disk_on_the_centre_line_moves_straight_at_its_speed(sessi
         inverse: InverseMethod::Hypre,
         tolerance: Tolerance::Fixed(1e-10),
     };
-    let speed = Suspension::new(session, setup()).unwrap().solve(&mut |_, _| {}).unwrap().bodies[0].twist.velocity[0];
+    let speed = flow_solver(session, setup()).unwrap().solve(&mut |_, _| {}).unwrap().bodies[0].twist.velocity[0];
     assert!(speed > 1.0 && speed < 1.5, "faster than the mean, slower than the fastest fluid: {speed}");
     let two_cells = 0.25 / speed;
     let mut simulation = simulate(session, setup(), time(Step::Fixed(two_cells), 10.0, Scheme::TwoStep), ContactModel::None);
@@ -343,17 +343,17 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
         inverse: InverseMethod::Transform,
         tolerance: Tolerance::Fixed(1e-9),
     };
-    let mut suspension = Suspension::new(session, setup(0.0)).unwrap();
+    let mut suspension = flow_solver(session, setup(0.0)).unwrap();
     // a little way; then so close to the second disk that it meets its interpolation; then no further
     for (way, expected) in [(0.0, 4.0), (0.1, 1.0), (0.75, 2.0), (0.75, 0.0)] {
         let centers: Vec<Vector2<f64>> = setup(way).bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         let moment =
             Configuration { centers: &centers, time: 0.0, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance: 1e-9 };
         let solution = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
-        let mut assembled = [suspension.cost().assembled as f64];
+        let mut assembled = [solution.cost.assembled as f64];
         session.world().sum(&mut assembled);
         assert_eq!(assembled, [expected], "on a way of {way}");
-        let fresh = Suspension::new(session, setup(way)).unwrap().solve(&mut |_, _| {}).unwrap();
+        let fresh = flow_solver(session, setup(way)).unwrap().solve(&mut |_, _| {}).unwrap();
         assert!(solution.bodies.iter().zip(&fresh.bodies).all(|(kept, fresh)| kept.twist == fresh.twist), "on a way of {way}");
     }
 }

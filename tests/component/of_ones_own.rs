@@ -6,9 +6,9 @@ use turbid::{
     contact::{Contact, ContactForce},
     geometry::{Axis, Ball, Domain},
     interaction::{Arrangement, ContactLaw, Forces, Inelastic, Interaction, Interactions, Touch, Wrench},
-    mechanics::Suspension,
     motion::{GranularBody, GranularSetup, Simulation},
     petsc::Session,
+    plan::flow_solver,
     run::{NewRun, Number, Options, Quantity, Run, RunFolder, View},
     scene::{AxisSection, BodyGroup, Placement, ResolutionSection, Scene, Scheme, Spacing, Step, TimeSection},
 };
@@ -165,7 +165,7 @@ fn a_random_force_moves_dry_bodies_as_the_sum_of_its_impulses_does(session: &Ses
 
 fn a_random_force_moves_bodies_in_a_flow_as_given_forces_do(session: &Session) {
     let twists = |setup| {
-        let solution = Suspension::new(session, setup).unwrap().solve(&mut |_, _| {}).unwrap();
+        let solution = flow_solver(session, setup).unwrap().solve(&mut |_, _| {}).unwrap();
         solution.bodies.iter().map(|body| body.twist).collect::<Vec<_>>()
     };
     let mut given = setup(Interactions::default());
@@ -188,8 +188,8 @@ fn a_random_force_moves_bodies_in_a_flow_as_given_forces_do(session: &Session) {
 fn a_random_force_is_the_same_after_a_restart(session: &Session) {
     let start = || {
         let interactions = Interactions::default().with(NOISE).with(Inelastic);
-        let suspension = Suspension::new(session, setup(interactions)).unwrap();
-        Simulation::flowing(session, Box::new(suspension), fixed(0.25, 1.5, Scheme::TwoStep))
+        let suspension = flow_solver(session, setup(interactions)).unwrap();
+        Simulation::flowing(session, suspension, fixed(0.25, 1.5, Scheme::TwoStep))
     };
     stepper_conforms(&start, 1e-7);
 }

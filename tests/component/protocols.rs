@@ -4,10 +4,11 @@ use std::{f64::consts::TAU, path::Path};
 
 use nalgebra::{Complex, SVector};
 use turbid::{
-    mechanics::{FlowSolver, Suspension},
+    mechanics::FlowSolver,
     motion::{Observation, Simulation},
     observe::{self, Viscosity, statistics::harmonics},
     petsc::Session,
+    plan::flow_solver,
     scene::Scene,
     setup::Setup,
 };
@@ -104,7 +105,7 @@ fn just_after_a_reversal_contacts_bear_nothing(session: &Session) {
                 .zip(&observation.solution.as_ref().unwrap().bodies)
                 .for_each(|(own, state)| own.body.ball.center = state.center);
             let alone = Setup { bodies, ..setup.clone() };
-            let mut suspension = Suspension::new(session, alone).unwrap();
+            let mut suspension = flow_solver(session, alone).unwrap();
             let solution = suspension.solve(&mut |_, _| {}).unwrap();
             let without = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap();
             reversed = Some((found, without));
@@ -126,7 +127,7 @@ fn a_tiny_oscillation_measures_the_viscosity_of_an_instant(session: &Session) {
         )
     };
     let setup = Setup::<2>::of(&parsed(&scene_text("1.0", ""))).unwrap();
-    let mut suspension = Suspension::new(session, setup).unwrap();
+    let mut suspension = flow_solver(session, setup).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     let expected = observe::viscosity(suspension.setup(), suspension.grid(), &solution, &[]).unwrap().unwrap().relative();
     let (amplitude, frequency, mut stress) = (1e-7, 0.5, Vec::new());

@@ -7,10 +7,10 @@ use turbid::{
     flow::{Drive, InverseMethod, Stokes},
     geometry::{Axis, Ball, Domain, LeesEdwards, near_pairs},
     grid::{Grid, operators::signed},
-    mechanics::{FlowSolver, Suspension},
     motion::Simulation,
     observe::{self, CellCenters, CellVorticity},
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, ContactModel, MultiplierSolver, Scheme, Step, TimeSection, Tolerance},
     setup::{Setup, State, SuspendedBody},
 };
@@ -244,7 +244,7 @@ fn a_part_of_a_cell_is_refused_where_a_grid_may_not_be_oblique(session: &Session
 }
 
 fn simulation(session: &Session, setup: Setup<2>, time: TimeSection, contact: ContactModel) -> Simulation<2> {
-    Simulation::flowing(session, Box::new(Suspension::new(session, setup.with_contact(contact)).unwrap()), time)
+    Simulation::flowing(session, flow_solver(session, setup.with_contact(contact)).unwrap(), time)
 }
 
 /// Runs to the end; returns viscosities by time, and the last state.

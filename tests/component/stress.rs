@@ -11,7 +11,7 @@ use turbid::{
     contact::{Contact, ContactForce, Partner},
     flow::Drive,
     geometry::{Axis, Ball, Domain},
-    mechanics::{FlowSolver, Suspension},
+    mechanics::FlowSolver,
     motion::Simulation,
     observe::{self, Part, Viscosity},
     petsc::Session,
@@ -35,7 +35,7 @@ pub fn tests() -> Vec<Test> {
 
 const PAIR: [[f64; 2]; 2] = [[0.3, 0.4], [0.65, 0.62]];
 
-fn viscosity(suspension: &Suspension<2>, solution: &Solution<2>) -> Viscosity {
+fn viscosity(suspension: &dyn FlowSolver<2>, solution: &Solution<2>) -> Viscosity {
     observe::viscosity(suspension.setup(), suspension.grid(), solution, &[]).unwrap().unwrap()
 }
 
@@ -43,7 +43,7 @@ fn viscosity(suspension: &Suspension<2>, solution: &Solution<2>) -> Viscosity {
 fn two_disks_in_a_periodic_box_have_the_known_normal_stress_difference(session: &Session) {
     let disks = PAIR.map(|center| suspended(Vector2::from(center), 0.15, free(), 10));
     let (suspension, solution) = solve(session, periodic_cube(1.0 / 64.0, Drive::Shear(1.0), disks.to_vec()));
-    let viscosity = viscosity(&suspension, &solution);
+    let viscosity = viscosity(suspension.as_ref(), &solution);
     assert_near("viscosity", viscosity.relative(), 1.3457188363, 1e-3);
     assert!((viscosity.normal.first - 0.074669119).abs() < 1e-3, "{viscosity:?}");
     assert_eq!((viscosity.normal.second, viscosity.normal_parts.get(Part::Contact)), (None, None));
@@ -53,7 +53,7 @@ fn two_disks_in_a_periodic_box_have_the_known_normal_stress_difference(session: 
 fn one_body_in_a_box_has_no_normal_stress(session: &Session) {
     let disk = suspended(Vector2::repeat(0.5), 0.2, free(), 6);
     let (suspension, solution) = solve(session, periodic_cube(1.0 / 32.0, Drive::Shear(2.0), vec![disk]));
-    let plane = viscosity(&suspension, &solution).normal;
+    let plane = viscosity(suspension.as_ref(), &solution).normal;
     assert!(plane.first.abs() < 1e-7 && plane.pressure.unwrap().abs() < 1e-7, "{plane:?}");
     let sphere = suspended(Vector3::repeat(0.5), 0.25, free(), 3);
     let (suspension, solution) = solve(session, periodic_cube(1.0 / 16.0, Drive::Shear(2.0), vec![sphere]));
@@ -105,16 +105,16 @@ fn pressure_on_bodies_is_what_walls_bear(session: &Session) {
         let disks = PAIR.map(|center| suspended(Vector2::from(center), 0.15, free(), 9));
         let setup = Setup { constraint, ..couette(1.0, 1.0 / 80.0, 2.0, disks.to_vec()) };
         let (suspension, solution) = solve(session, setup);
-        let normal = viscosity(&suspension, &solution).normal;
+        let normal = viscosity(suspension.as_ref(), &solution).normal;
         let across = -normal.pressure.unwrap() - 0.5 * normal.first;
-        let borne = wall_stress(session, &suspension, &solution, 2.0);
+        let borne = wall_stress(session, suspension.as_ref(), &solution, 2.0);
         assert!((across - borne).abs() < error, "{}: {across} instead of {borne}", constraint.word());
     }
     // multipliers at points inside leave the pressure there open
     let disks = PAIR.map(|center| suspended(Vector2::from(center), 0.15, free(), 9));
     let setup = Setup { constraint: ConstraintMethod::Distributed, ..couette(1.0, 1.0 / 40.0, 2.0, disks.to_vec()) };
     let (suspension, solution) = solve(session, setup);
-    assert_eq!(viscosity(&suspension, &solution).normal.pressure, None);
+    assert_eq!(viscosity(suspension.as_ref(), &solution).normal.pressure, None);
 }
 
 /// Half the couple per volume, and less the first moment of forces: walls and stresslets agree as they do without.
@@ -149,7 +149,7 @@ fn torques_and_forces_that_cancel_reach_the_walls(session: &Session) {
 
 fn viscosity_of(session: &Session, setup: Setup<2>) -> Viscosity {
     let (suspension, solution) = solve(session, setup);
-    viscosity(&suspension, &solution)
+    viscosity(suspension.as_ref(), &solution)
 }
 
 /// What ties balls carries torques on, and adds a stress of its own.
@@ -196,7 +196,7 @@ fn a_net_force_along_the_walls_leaves_no_viscosity(session: &Session) {
 }
 
 /// Mean normal stress on both walls over the rate, less that of the mean pressure of the fluid.
-fn wall_stress(session: &Session, suspension: &Suspension<2>, solution: &Solution<2>, rate: f64) -> f64 {
+fn wall_stress(session: &Session, suspension: &dyn FlowSolver<2>, solution: &Solution<2>, rate: f64) -> f64 {
     let grid = suspension.grid();
     let balls: Vec<Ball<2>> = suspension.setup().bodies.iter().map(|suspended| suspended.body.ball).collect();
     assert!(matches!(grid.domain().axes[1], Axis::Walls { .. }));

@@ -8,9 +8,10 @@ use turbid::{
     body::{Body, Motion, Twist},
     flow::{Drive, InverseMethod},
     geometry::{Axis, Ball, Domain},
-    mechanics::{FlowSolver, Suspension},
+    mechanics::FlowSolver,
     observe,
     petsc::Session,
+    plan::flow_solver,
     scene::{ConstraintMethod, Tolerance},
     setup::{Setup, SuspendedBody},
     system::Solution,
@@ -82,8 +83,8 @@ pub fn couette(length: f64, spacing: f64, rate: f64, bodies: Vec<SuspendedBody<2
     }
 }
 
-pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Suspension<D>, Solution<D>) {
-    let mut suspension = Suspension::new(session, setup).unwrap();
+pub fn solve<const D: usize>(session: &Session, setup: Setup<D>) -> (Box<dyn FlowSolver<D>>, Solution<D>) {
+    let mut suspension = flow_solver(session, setup).unwrap();
     let solution = suspension.solve(&mut |_, _| {}).unwrap();
     (suspension, solution)
 }

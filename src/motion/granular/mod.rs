@@ -39,6 +39,7 @@ use super::{
 use crate::{
     body::{Halo, Regions, Trajectories, Twist},
     contact::{self, AdhesiveContact, Contact, ContactForce, KktReport, Problem, ProblemShare, ProjectionShare, bodies_of, renamed},
+    dimension::same,
     error::{Error, Result},
     geometry::{Ball, Domain},
     interaction::{Arrangement, Interactions},
@@ -104,6 +105,28 @@ struct Kept<const D: usize> {
     adhesive_contacts: Vec<AdhesiveContact<D>>,
     /// What contacts change the wanted velocities by that ties are next to; empty without ties.
     changes: Vec<SVector<f64, D>>,
+}
+
+/// What moves granular bodies with a step control, and the state of this rank at the start. Collective.
+pub(super) fn stepper<const D: usize>(
+    session: &Session,
+    setup: GranularSetup<D>,
+    step_control: StepControl,
+) -> (Box<dyn Stepper<D>>, State<D>) {
+    match D {
+        2 => same(in_plane(session, same(setup), step_control)),
+        _ => same(in_space(session, same(setup), step_control)),
+    }
+}
+
+fn in_plane(session: &Session, setup: GranularSetup<2>, step_control: StepControl) -> (Box<dyn Stepper<2>>, State<2>) {
+    let (stepper, state) = Granular::start(session, setup, step_control);
+    (Box::new(stepper), state)
+}
+
+fn in_space(session: &Session, setup: GranularSetup<3>, step_control: StepControl) -> (Box<dyn Stepper<3>>, State<3>) {
+    let (stepper, state) = Granular::start(session, setup, step_control);
+    (Box::new(stepper), state)
 }
 
 impl<const D: usize> Granular<D> {

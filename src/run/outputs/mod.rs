@@ -25,13 +25,27 @@ mod step_table;
 
 use std::path::Path;
 
-use crate::{error::Result, motion::Simulation, output::CurvePoint, parallel::World, run::Output, scene::Scene};
+use crate::{
+    dimension::{same, same_ref},
+    error::Result,
+    motion::Simulation,
+    output::CurvePoint,
+    parallel::World,
+    run::Output,
+    scene::Scene,
+};
 pub use checkpoint::restore;
 use context::{Context, Wanted, boxed};
 use statistics::{autocorrelation, displacements, pairs, profiles, structure_factor};
 
 /// Outputs of a run, in the order in which they write.
 pub type Outputs<const D: usize> = Vec<Box<dyn Output<D>>>;
+
+/// What checkpoints hold of a scene, by names.
+type Texts = Vec<(&'static str, String)>;
+
+/// Outputs that are open, and the viscosity of the run so far.
+type Opened<const D: usize> = Result<(Outputs<D>, Vec<CurvePoint>)>;
 
 /// Opens an output if a scene calls for it.
 type Open<const D: usize> = fn(&Context<D>) -> Wanted<D>;
@@ -71,13 +85,22 @@ fn in_time<const D: usize>() -> [Open<D>; 18] {
 ///
 /// # Errors
 /// Files of the run so far cannot be read or written.
-pub fn outputs<const D: usize>(
-    world: &World,
-    scene: &Scene,
-    folder: &Path,
-    texts: Vec<(&'static str, String)>,
-    simulation: Option<&Simulation<D>>,
-) -> Result<(Outputs<D>, Vec<CurvePoint>)> {
+pub fn outputs<const D: usize>(world: &World, scene: &Scene, folder: &Path, texts: Texts, simulation: Option<&Simulation<D>>) -> Opened<D> {
+    match D {
+        2 => same(in_plane(world, scene, folder, texts, simulation.map(same_ref))),
+        _ => same(in_space(world, scene, folder, texts, simulation.map(same_ref))),
+    }
+}
+
+fn in_plane(world: &World, scene: &Scene, folder: &Path, texts: Texts, simulation: Option<&Simulation<2>>) -> Opened<2> {
+    open(world, scene, folder, texts, simulation)
+}
+
+fn in_space(world: &World, scene: &Scene, folder: &Path, texts: Texts, simulation: Option<&Simulation<3>>) -> Opened<3> {
+    open(world, scene, folder, texts, simulation)
+}
+
+fn open<const D: usize>(world: &World, scene: &Scene, folder: &Path, texts: Texts, simulation: Option<&Simulation<D>>) -> Opened<D> {
     let context = Context { world, scene, folder, texts: &texts, simulation };
     let began = simulation.filter(|simulation| simulation.state().steps > 0).map(|simulation| simulation.state().time);
     let log = log::RunLog::open(world, folder, began, scene.end())?;

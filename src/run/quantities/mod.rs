@@ -11,10 +11,23 @@ mod wall;
 use std::rc::Rc;
 
 use super::{column::SeriesColumn, quantity::Quantity};
+use crate::dimension::same;
 pub use steps::seconds;
 
 /// The quantities of a run in the order of their columns; those that a scene does not call for have none.
 pub fn quantities<const D: usize>() -> Vec<Quantity<D>> {
+    if D == 2 { same(in_plane()) } else { same(in_space()) }
+}
+
+fn in_plane() -> Vec<Quantity<2>> {
+    all()
+}
+
+fn in_space() -> Vec<Quantity<3>> {
+    all()
+}
+
+fn all<const D: usize>() -> Vec<Quantity<D>> {
     [
         steps::times(),
         shear::viscosity(),

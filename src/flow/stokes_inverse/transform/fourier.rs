@@ -10,6 +10,19 @@ use super::lines::{Lines, TILE};
 /// What of a transform of planned lengths cannot go wrong.
 const PLANNED: &str = "lengths are as planned, and constant and fastest waves are real";
 
+/// Transforms from points to waves and back. Like the plans of real values it is a function of no parameters of type, so that the planner, whose code is large, is
+/// compiled with this crate alone.
+fn complex_plans(points: usize) -> [Arc<dyn Fft<f64>>; 2] {
+    let mut planner = FftPlanner::new();
+    [FftDirection::Forward, FftDirection::Inverse].map(|direction| planner.plan_fft(points, direction))
+}
+
+/// Transforms from real values to waves and back.
+fn real_plans(points: usize) -> (Arc<dyn RealToComplex<f64>>, Arc<dyn ComplexToReal<f64>>) {
+    let mut planner = RealFftPlanner::new();
+    (planner.plan_fft_forward(points), planner.plan_fft_inverse(points))
+}
+
 /// Transforms of lines of complex values, in place.
 pub struct Waves {
     forward: Arc<dyn Fft<f64>>,
@@ -20,8 +33,7 @@ pub struct Waves {
 impl Waves {
     /// Transforms of `points` points.
     pub fn new(points: usize) -> Waves {
-        let mut planner = FftPlanner::new();
-        let [forward, backward] = [FftDirection::Forward, FftDirection::Inverse].map(|direction| planner.plan_fft(points, direction));
+        let [forward, backward] = complex_plans(points);
         let size = forward.get_inplace_scratch_len().max(backward.get_inplace_scratch_len());
         Waves { forward, backward, scratch: vec![Complex::default(); size] }
     }
@@ -88,8 +100,7 @@ pub struct RealTransform<const D: usize> {
 impl<const D: usize> RealTransform<D> {
     /// Transforms between the lines of two blocks that differ only along the axis.
     pub fn new(real: Lines<D>, complex: Lines<D>) -> RealTransform<D> {
-        let mut planner = RealFftPlanner::new();
-        let (forward, backward) = (planner.plan_fft_forward(real.points()), planner.plan_fft_inverse(real.points()));
+        let (forward, backward) = real_plans(real.points());
         let size = forward.get_scratch_len().max(backward.get_scratch_len());
         RealTransform {
             forward,
