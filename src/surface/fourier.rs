@@ -209,6 +209,17 @@ impl Modes for Fourier {
         });
     }
 
+    /// The jump function of the waves that decay.
+    fn exterior_pressure(&self, offset: &[f64], out: &mut [f64]) {
+        let position = Complex::new(offset[0], offset[1]) / self.radius;
+        out.fill(0.0);
+        let harmonics = std::iter::once((0, 0)).chain((RIGID..).step_by(2).zip(self.free.iter().map(|harmonic| harmonic.power)));
+        for (first, power) in harmonics.filter(|(_, power)| *power < 1) {
+            let wave = position.powi(power - 1);
+            out[first..first + 2].copy_from_slice(&[wave.re, -wave.im]);
+        }
+    }
+
     fn degrees(&self) -> Vec<Degree> {
         let rigid = [(-1, vec![1, 0]), (0, vec![2])];
         let free = self.free.iter().zip((RIGID..).step_by(2)).map(|(harmonic, first)| {

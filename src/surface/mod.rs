@@ -33,7 +33,7 @@ mod unsteady;
 pub use fourier::Fourier;
 pub use modes::{Modes, area, lever};
 pub use of_dimension::{highest_order, mode_count, modes, pair_mobility, quadrature, wall_mobility};
-pub use quadrature::Quadrature;
+pub use quadrature::{Quadrature, circle, sphere};
 pub use rotation::{Degree, rotations};
 pub use scalar::ScalarModes;
 pub use shape::Shape;

@@ -69,6 +69,12 @@ pub trait Modes {
         out.fill(0.0);
     }
 
+    /// Writes in `out[mode]` the pressure that unit coefficients cause in unbounded fluid at `offset`, outside the ball, zero far away; zero where near pairs
+    /// are not looked at.
+    fn exterior_pressure(&self, _offset: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+    }
+
     /// The modes, sorted by how they rotate; none where near pairs are not looked at.
     fn degrees(&self) -> Vec<Degree> {
         Vec::new()

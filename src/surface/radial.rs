@@ -63,6 +63,11 @@ impl Poloidal {
         self.amplitudes[0] + self.amplitudes[1] * decay
     }
 
+    /// The part of [`pressure`](Self::pressure) that decays.
+    pub fn exterior_pressure(&self, decay: f64) -> f64 {
+        self.amplitudes[1] * decay
+    }
+
     /// `U` and `V` of the decaying solutions on `gamma`.
     pub fn velocity(&self, l: usize) -> [f64; 2] {
         velocities(l).map(|values| values[1] * self.amplitudes[1] + values[3] * self.amplitudes[3])

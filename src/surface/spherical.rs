@@ -228,6 +228,21 @@ impl Modes for Spherical {
         }
     }
 
+    /// The term of `D_p` that decays.
+    fn exterior_pressure(&self, offset: &[f64], out: &mut [f64]) {
+        let position = [0, 1, 2].map(|axis| offset[axis] / self.radius);
+        let falloff = 1.0 / position.iter().map(|x| x * x).sum::<f64>();
+        let values = self.harmonics.values(position);
+        let mut decay = falloff.sqrt();
+        out.fill(0.0);
+        for (l, degree) in (1..).zip(&self.degrees) {
+            decay *= falloff;
+            for (index, places) in (l * l..).zip(&degree.places) {
+                places.iter().zip(&degree.poloidal).for_each(|(place, mode)| out[*place] = mode.exterior_pressure(decay) * values[index]);
+            }
+        }
+    }
+
     fn degrees(&self) -> Vec<Degree> {
         let of_degree = |(l, degree): (usize, &DegreeModes)| {
             [0, 1, 2].map(|kind| Degree::of_degree(l, degree.places.iter().map(|places| places[kind]).collect(), kind == 2))

@@ -91,6 +91,10 @@ impl Modes for WithSpinUp {
         self.0.exterior_velocity(offset, reach, out);
     }
 
+    fn exterior_pressure(&self, offset: &[f64], out: &mut [f64]) {
+        self.0.exterior_pressure(offset, out);
+    }
+
     fn degrees(&self) -> Vec<Degree> {
         self.0.degrees()
     }

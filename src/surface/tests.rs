@@ -327,6 +327,28 @@ fn the_exterior_velocity_is_free_of_sources_and_decays() {
     }
 }
 
+/// What a force makes of pressure, `F . r / (S r^D)`, summed over the surface.
+#[test]
+fn the_exterior_pressure_is_that_of_the_tractions() {
+    for modes in families() {
+        let dimension = modes.dimension();
+        let offset = scaled(&direction(dimension), 2.5 * RADIUS);
+        let rule = quadrature(dimension, 40.0, 5);
+        let mut expected = vec![0.0; modes.count()];
+        for (direction, weight) in rule.directions.chunks(dimension).zip(&rule.weights) {
+            let apart: Vec<f64> = offset.iter().zip(direction).map(|(point, normal)| point - RADIUS * normal).collect();
+            let distance = apart.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let scale = weight * area(dimension, RADIUS) / (area(dimension, distance) * distance);
+            for (sum, force) in expected.iter_mut().zip(traction(modes.as_ref(), direction).chunks(dimension)) {
+                *sum += scale * force.iter().zip(&apart).map(|(force, apart)| force * apart).sum::<f64>();
+            }
+        }
+        let mut found = vec![f64::NAN; modes.count()];
+        modes.exterior_pressure(&offset, &mut found);
+        assert!(found.iter().zip(&expected).all(|(found, expected)| (found - expected).abs() < 1e-12), "{found:?} {expected:?}");
+    }
+}
+
 /// Stokes: the Laplacian of the velocity is the gradient of a pressure, so its curl vanishes.
 #[test]
 fn the_laplacian_of_the_exterior_velocity_is_a_gradient() {

@@ -8,7 +8,7 @@ use crate::{
         lubrication::{LubricationPair, LubricationPairs, Opposite, RelativeMode},
     },
     parallel::World,
-    system::{BodyState, Lubrication},
+    system::{BodyState, Lubrication, LubricationPressure},
 };
 
 /// Adds to the states of all bodies, and to the forces on walls, what films do to them in a fluid of some viscosity, given the force of each way of the
@@ -44,14 +44,16 @@ pub fn add_films<const D: usize>(
     effect.lubrication(smallest_gap, world.max(films.imbalance))
 }
 
-/// What films do to bodies and walls, as numbers that ranks sum: the number of films and what they dissipate, then sums over films, then body by body.
+/// What films do to bodies and walls, as numbers that ranks sum: the number of films, what they dissipate and their pressure, then sums over films, then body by body.
 struct Effect<const D: usize> {
     numbers: Vec<f64>,
 }
 
 impl<const D: usize> Effect<D> {
     const DISSIPATION: usize = 1;
-    const STRESS: usize = 2;
+    const PRESSURE: usize = 2;
+    const PRESSURE_EVERYWHERE: usize = 3;
+    const STRESS: usize = 4;
     const FIRST_MOMENT: usize = Self::STRESS + D * D;
     const WALLS: usize = Self::FIRST_MOMENT + D * D;
     const BODIES: usize = Self::WALLS + 2 * D * D;
@@ -71,11 +73,14 @@ impl<const D: usize> Effect<D> {
                 None
             }
         };
+        let rate = -force / mode.resistance;
+        self.numbers[Self::PRESSURE] += rate * mode.pressure.iter().sum::<f64>();
+        self.numbers[Self::PRESSURE_EVERYWHERE] += film.pressure_everywhere(mode, force);
         for (place, body) in [(0, Some(film.body)), (1, other)] {
             let Some(body) = body else { continue };
             let side = &mode.sides[place];
             let (push, torque) = (side.direction * force, side.turn * force);
-            let moment = mode.stress[place] * (-force / mode.resistance);
+            let moment = mode.stress[place] * rate;
             let first = Self::BODIES + body * Self::OF_BODY;
             self.sum(first, push.as_slice());
             self.sum(first + D, torque.as_slice());
@@ -110,6 +115,8 @@ impl<const D: usize> Effect<D> {
     fn lubrication(&self, smallest_gap: f64, imbalance: f64) -> Lubrication<D> {
         let (stress, first_moment) = (self.matrix(Self::STRESS), self.matrix(Self::FIRST_MOMENT));
         let (films, dissipation) = (self.numbers[0] as usize, self.numbers[Self::DISSIPATION]);
-        Lubrication { films, smallest_gap, imbalance, dissipation, stress, first_moment }
+        let (inside, everywhere) = (self.numbers[Self::PRESSURE], self.numbers[Self::PRESSURE_EVERYWHERE]);
+        let pressure = LubricationPressure { inside, everywhere };
+        Lubrication { films, smallest_gap, imbalance, dissipation, stress, pressure, first_moment }
     }
 }

@@ -30,6 +30,6 @@ pub use cost::{Cost, ResidualMonitor};
 pub use extrapolation::{ExtrapolationHistory, Snapshot};
 pub use fixed_operators::check_steady_state;
 pub use level::Level;
-pub use solution::{BodyState, Lubrication, Solution, WallForces};
+pub use solution::{BodyState, Lubrication, LubricationPressure, Solution, WallForces};
 pub use spectrum::Conditions;
 pub use work::Stages;

@@ -57,6 +57,15 @@ impl<const D: usize> BodyState<D> {
     }
 }
 
+/// The part of films in the pressure, times volume.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LubricationPressure {
+    /// Inside bodies, which is less the traces of the moments of their tractions, over `D`.
+    pub inside: f64,
+    /// In the whole box.
+    pub everywhere: f64,
+}
+
 /// The films of a suspension that modes do not see.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lubrication<const D: usize> {
@@ -70,6 +79,8 @@ pub struct Lubrication<const D: usize> {
     pub dissipation: f64,
     /// Sum over all bodies of the part of the stresslets that films make.
     pub stress: SMatrix<f64, D, D>,
+    /// What pressure they make.
+    pub pressure: LubricationPressure,
     /// First moment of the tractions of films on bodies, `t_i x_j`, about the wall or, of a pair, about any point. Tractions next to the gap have
     /// none; what there is drives a flow that the grid does not have, and that reaches the walls.
     pub first_moment: SMatrix<f64, D, D>,

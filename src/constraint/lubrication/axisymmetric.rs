@@ -92,6 +92,19 @@ impl<const D: usize> AxisymmetricBody<D> {
         wanted
     }
 
+    /// The pressure at a distance ahead that multipliers of a channel cause.
+    pub fn pressure_ahead(&self, channel: Channel, distance: f64, multipliers: impl Iterator<Item = f64>) -> f64 {
+        let (mut offset, mut pressures) = ([0.0; D], vec![0.0; self.modes.count()]);
+        offset[Self::AXIS] = distance;
+        self.modes.exterior_pressure(&offset, &mut pressures);
+        self.channel(channel).members.iter().zip(multipliers).map(|(mode, multiplier)| pressures[*mode] * multiplier).sum()
+    }
+
+    /// Less the trace of the first moment of the traction on a body that has a pressure inside.
+    pub fn pressure_moment(&self, inside: f64) -> f64 {
+        self.modes.force_factor() * self.modes.radius() * inside
+    }
+
     fn members(modes: &dyn Modes, channel: Channel) -> Vec<usize> {
         let rigid = if channel == Channel::Along { Self::AXIS } else { Self::ACROSS };
         let families = modes.degrees();

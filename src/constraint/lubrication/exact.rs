@@ -15,7 +15,7 @@
 //! g_1 = 2 k^2/(1+k)^3    g_2 = k (1 + 7k + k^2)/(5 (1+k)^3)    g_3 = (1 + 18k - 29k^2 + 18k^3 + k^4)/(42 (1+k)^3)
 //! ```
 //!
-//! Singular forces act at the gap, and so tell the singular stress.
+//! Singular forces act at the gap, and so tell the singular stress and the singular pressure on bodies.
 
 use std::{
     f64::consts::{PI, SQRT_2},
@@ -75,7 +75,7 @@ impl Exact {
             [0.5 * (roll - cross), -0.5 * (second * cross + roll)],
         ];
         let seen = |[first, other]: [f64; 2]| [first, if self.second.is_some() { other } else { 0.0 }];
-        Resistance { approach, slip, cross, roll, stress: stress.map(seen) }
+        Resistance { approach, slip, cross, roll, stress: stress.map(seen), pressure: [approach, second * approach] }
     }
 
     fn plane(&self, gap: f64) -> [f64; 4] {
@@ -104,7 +104,7 @@ impl Exact {
 
     /// The functions whose sum is what is left of a number.
     fn functions(&self, number: usize, gap: f64) -> Vec<f64> {
-        let approach = matches!(number, 0 | 4 | 5);
+        let approach = Resistance::of_approach(number);
         if self.dimension == 2 {
             let powers: Vec<i32> = if approach { (-1..12).step_by(2).collect() } else { (0..8).collect() };
             return powers.into_iter().map(|power| gap.sqrt().powi(power)).collect();

@@ -49,6 +49,8 @@ pub struct RelativeMode<const D: usize> {
     pub resistance: f64,
     /// Symmetric traceless first moment of the traction on each side for a unit rate, over viscosity.
     pub stress: [SMatrix<f64, D, D>; 2],
+    /// Less the trace of that moment, over `D`: volume times pressure inside.
+    pub pressure: [f64; 2],
 }
 
 /// The films of a crowd.
@@ -70,6 +72,20 @@ impl<const D: usize> LubricationPairs<D> {
 }
 
 impl<const D: usize> LubricationPair<D> {
+    /// The pressure that the force of a mode makes, integrated over the box, bodies included.
+    ///
+    /// It is tested with a flow that expands at the rate 1: `-1/D` of the trace of `F_i x_j` of all forces on the fluid, those on the surface of a body
+    /// having none about its centre; by a wall, where the flow expands across it alone, less their moment across.
+    pub fn pressure_everywhere(&self, mode: &RelativeMode<D>, force: f64) -> f64 {
+        match self.other {
+            Opposite::Body(..) => mode.sides[1].direction.dot(&self.separation) * force / D as f64,
+            Opposite::Wall((axis, _)) => {
+                let (push, own) = (mode.sides[0].direction[axis] * force, mode.stress[0][(axis, axis)] * (-force / mode.resistance));
+                own - push * self.separation[axis]
+            }
+        }
+    }
+
     /// From the wall, or the centre of the body, to the centre of one side.
     pub fn lever(&self, side: usize) -> SVector<f64, D> {
         match (self.other, side) {
@@ -172,15 +188,16 @@ fn film<const D: usize>(
     let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];
     let unit = radius.powi(D as i32 - 2);
     let mut relative_modes = Vec::new();
-    let mut add = |resistance: f64, sides: [RigidFunctional<D>; 2], stress: [SMatrix<f64, D, D>; 2]| {
+    let mut add = |resistance: f64, sides: [RigidFunctional<D>; 2], stress: [SMatrix<f64, D, D>; 2], pressure: [f64; 2]| {
         if resistance > NEGLIGIBLE {
-            relative_modes.push(RelativeMode { sides, resistance: resistance * unit, stress });
+            relative_modes.push(RelativeMode { sides, resistance: resistance * unit, stress, pressure });
         }
     };
     let still = SMatrix::zeros();
     let deviator = (normal * normal.transpose() * D as f64 - SMatrix::identity()) / (D - 1) as f64;
     let sides = [normal, -normal].map(|direction| RigidFunctional { direction, turn: still });
-    add(missing.approach, sides, missing.stress[0].map(|moment| deviator * (moment * unit * radius)));
+    let stress = missing.stress[0].map(|moment| deviator * (moment * unit * radius));
+    add(missing.approach, sides, stress, missing.pressure.map(|moment| moment * unit * radius / D as f64));
     for across in across(&normal) {
         let plane = across * normal.transpose() - normal * across.transpose();
         let symmetric = across * normal.transpose() + normal * across.transpose();
@@ -188,7 +205,7 @@ fn film<const D: usize>(
             let turns = [levers[0] * slip + radius * roll, levers[1] * slip - radius * roll];
             let side = |sign: f64, turn: f64| RigidFunctional { direction: across * (sign * slip), turn: plane * turn };
             let moment = |side: usize| symmetric * ((missing.stress[1][side] * slip + missing.stress[2][side] * roll) * unit * radius);
-            add(resistance, [side(1.0, turns[0]), side(-1.0, turns[1])], [moment(0), moment(1)]);
+            add(resistance, [side(1.0, turns[0]), side(-1.0, turns[1])], [moment(0), moment(1)], [0.0; 2]);
         }
     }
     relative_modes.shrink_to_fit();

@@ -33,16 +33,19 @@ pub fn resistance<const D: usize>(sides: [&AxisymmetricBody<D>; 2], gap: f64, li
         cross: across.work[(0, 1)],
         roll: across.work[(1, 1)],
         stress: [along.stress[0], across.stress[0], across.stress[1]],
+        pressure: along.pressure,
     }
 }
 
 /// Rigid motions of two bodies, each in its own frame: modes and how fast they move.
 type RelativeMotion = [Vec<(usize, f64)>; 2];
 
-/// Work of the tractions of each motion on each, and stress of each.
+/// Work of the tractions of each motion on each, stress of each, and pressure.
 struct PairForces {
     work: DMatrix<f64>,
     stress: Vec<[f64; 2]>,
+    /// Less the trace of the first moment of the first motion on each body.
+    pressure: [f64; 2],
 }
 
 fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], distance: f64, channel: Channel, motions: &[RelativeMotion]) -> PairForces {
@@ -61,7 +64,12 @@ fn solve<const D: usize>(sides: [&AxisymmetricBody<D>; 2], distance: f64, channe
     let found = [answered - carried * &second, second];
     let work = [0, 1].map(|side| wanted[side].transpose() * &found[side] * areas[side]);
     let stress_of = |column: usize| [0, 1].map(|side| modes[side].stress(found[side].column(column).iter().copied()));
-    PairForces { work: &work[0] + &work[1], stress: (0..motions.len()).map(stress_of).collect() }
+    // inside a body its own modes have no mean pressure
+    let pressure = [0, 1].map(|side| {
+        let of_other = sides[1 - side].pressure_ahead(channel, distance, found[1 - side].column(0).iter().copied());
+        sides[side].pressure_moment(of_other)
+    });
+    PairForces { work: &work[0] + &work[1], stress: (0..motions.len()).map(stress_of).collect(), pressure }
 }
 
 #[cfg(test)]

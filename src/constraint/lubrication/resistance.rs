@@ -4,7 +4,8 @@
 ///
 /// `approach` is force over velocity; `slip`, `roll` and `cross` are the symmetric matrix of force and torque over slip and
 /// roll. `stress` has the symmetric traceless first moments of the tractions on each body: for approach its component along
-/// `n n`, for slip and roll along `n t`.
+/// `n n`, for slip and roll along `n t`. `pressure` is less the trace of that moment, which approach alone has: `D` times the volume of a body times the pressure
+/// inside, as it is rigid and at rest there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Resistance {
     /// Against approach.
@@ -17,19 +18,26 @@ pub struct Resistance {
     pub roll: f64,
     /// First moments on the first and second body for a unit of approach, of slip and of roll.
     pub stress: [[f64; 2]; 3],
+    /// Less the trace of the first moment on the first and second body for a unit of approach.
+    pub pressure: [f64; 2],
 }
 
 /// How many numbers a [`Resistance`] is.
-pub(super) const NUMBERS: usize = 10;
+pub(super) const NUMBERS: usize = 12;
 
 impl Resistance {
-    pub(super) fn numbers(&self) -> [f64; NUMBERS] {
-        let [[a, b], [c, d], [e, f]] = self.stress;
-        [self.approach, self.slip, self.cross, self.roll, a, b, c, d, e, f]
+    /// Whether a number is of approach.
+    pub(super) fn of_approach(number: usize) -> bool {
+        matches!(number, 0 | 4 | 5 | 10 | 11)
     }
 
-    pub(super) fn of([approach, slip, cross, roll, a, b, c, d, e, f]: [f64; NUMBERS]) -> Resistance {
-        Resistance { approach, slip, cross, roll, stress: [[a, b], [c, d], [e, f]] }
+    pub(super) fn numbers(&self) -> [f64; NUMBERS] {
+        let ([[a, b], [c, d], [e, f]], [g, h]) = (self.stress, self.pressure);
+        [self.approach, self.slip, self.cross, self.roll, a, b, c, d, e, f, g, h]
+    }
+
+    pub(super) fn of([approach, slip, cross, roll, a, b, c, d, e, f, g, h]: [f64; NUMBERS]) -> Resistance {
+        Resistance { approach, slip, cross, roll, stress: [[a, b], [c, d], [e, f]], pressure: [g, h] }
     }
 
     /// What `take` makes of each number of two resistances.

@@ -89,7 +89,7 @@ mod tests {
                 let (found, direct) = (found.at(gap), direct.at(gap));
                 let across = direct.slip.max(direct.roll);
                 for (place, (one, other)) in found.numbers().iter().zip(direct.numbers()).enumerate() {
-                    let kind = if [0, 4, 5].contains(&place) { direct.approach } else { across };
+                    let kind = if Resistance::of_approach(place) { direct.approach } else { across };
                     assert!((one - other).abs() < 1e-5 * kind, "{D}D ratio {ratio}, gap {gap}, number {place}: {one} {other}");
                 }
             }

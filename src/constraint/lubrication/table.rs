@@ -251,6 +251,8 @@ mod tests {
             across * radius,
             across,
             across * radius,
+            exact.approach,
+            exact.approach * radius,
         ];
         let differences = found.with(direct, |one, other| (one - other).abs()).numbers();
         differences.iter().zip(scales).map(|(difference, scale)| difference / scale).fold(0.0, f64::max)

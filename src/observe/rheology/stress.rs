@@ -8,7 +8,7 @@
 //! a distance `r n` apart, `L_i` the couples that turn bodies from outside, as tensors of which `L_xy` is the torque from x to y. They make it
 //! asymmetric. Between walls, whose mean shear stress is meant, a force `F` along them at a height `y` from the middle adds `-F y / V`. Stresslets have no
 //! trace: that part of the stress is what bodies bear as pressure, `fraction (p - mean of the pressure inside bodies)`, as the inside of a rigid body is at
-//! rest in the solution and bears the mean normal traction.
+//! rest in the solution and bears the mean normal traction. Films add the pressure that the modes of two near bodies do not make inside of them.
 //! All parts are over `mu rate` (Batchelor 1970, doi:10.1017/S0022112070000745; particle pressure: Jeffrey, Morris & Brady 1993,
 //! doi:10.1063/1.858709).
 
@@ -28,7 +28,7 @@ use crate::{
     observe::{fields::cells::visit_inside, shear::Shear},
     scene::ConstraintMethod,
     setup::Setup,
-    system::Solution,
+    system::{Lubrication, LubricationPressure, Solution},
 };
 
 /// Cells between the surface of a body and those whose pressure counts as that of its inside.
@@ -84,7 +84,9 @@ impl<const D: usize> Stress<D> {
         let carried_along = reynolds_stress(setup, grid, solution, shear)?;
         let parts = Parts::of(|part| match part {
             Part::Hydrodynamic => Some(shear.doubled_strain() + resolved / unit - trace),
-            Part::Lubrication => films.map(|stress| stress / unit),
+            Part::Lubrication => {
+                solution.lubrication.map(|films| (films.stress - SMatrix::identity() * pressure_of_films(setup, &films)) / unit)
+            }
             Part::Interaction => of_all(setup.interactions.act_at_a_distance(), at_a_distance),
             Part::Bonds => of_all(setup.interactions.tie(), solution.bond_stress),
             Part::Reynolds => carried_along.map(|stress| stress / unit),
@@ -152,6 +154,12 @@ fn pressure_on_bodies<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution
     let (borne, fraction) = (inside.sum::<f64>() / setup.domain.volume(), setup.fraction());
     let everywhere = mean_pressure(grid, solution)?;
     Ok(Some((borne - fraction * everywhere) / (1.0 - fraction)))
+}
+
+/// The particle pressure of films, times volume: as [`pressure_on_bodies`], from the pressure that they make inside bodies and everywhere.
+fn pressure_of_films<const D: usize>(setup: &Setup<D>, films: &Lubrication<D>) -> f64 {
+    let (LubricationPressure { inside, everywhere }, fraction) = (films.pressure, setup.fraction());
+    (inside - fraction * everywhere) / (1.0 - fraction)
 }
 
 /// Sum of the pressures of the cells in each ball, and their number.
