@@ -39,14 +39,24 @@ impl<const D: usize> Shear<D> {
         })
     }
 
+    /// Whether it flows along its axis or against it, 1 or -1.
+    pub fn sign(&self) -> f64 {
+        self.flow.iter().find(|component| **component != 0.0).map_or(1.0, |component| component.signum())
+    }
+
+    /// The strain at a time with the sign of the rate.
+    pub fn strain_along(&self, domain: &Domain<D>, time: f64) -> f64 {
+        if domain.protocol().is_some() { self.strain(domain, time) } else { self.sign() * self.strain(domain, time) }
+    }
+
     /// The strain at a time: of a shear whose rate changes that along x, which may be negative.
     pub fn strain(&self, domain: &Domain<D>, time: f64) -> f64 {
         domain.strain(self.rate, time)
     }
 
-    /// Its rate, or 0 where nothing is sheared; of a shear whose rate changes that along x, which may be negative.
+    /// Its rate along its axis, negative where it flows against that, or 0 where nothing is sheared.
     pub fn rate_along(&self, domain: &Domain<D>) -> f64 {
-        domain.protocol().map_or(self.rate, |protocol| protocol.rate(domain.time()))
+        domain.protocol().map_or(self.sign() * self.rate, |protocol| protocol.rate(domain.time()))
     }
 
     /// Direction of the gradient, a unit vector.

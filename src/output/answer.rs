@@ -28,11 +28,14 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
     let drag = summary.accuracy.as_ref().and_then(|accuracy| accuracy.drag);
     let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
     oscillation
+        .chain(of_shear_at_a_stress(summary))
+        .chain(of_loaded_wall(summary))
         .chain(viscosity)
         .chain(of_rheometry(summary))
         .chain(without)
         .chain(of_accuracy)
         .chain(of_forces(summary))
+        .chain(of_objects(summary))
         .chain(of_velocities(summary))
         .chain(of_flow(summary))
         .chain(of_scalar(summary))
@@ -87,8 +90,35 @@ const RHEOMETRY: [(&str, &str); 4] = [
 
 /// Normal stresses over viscosity of the fluid and shear rate, and contacts, of a sheared suspension: means over the steady part, or what is at the end.
 fn of_rheometry(summary: &Summary) -> Vec<Answer> {
+    if summary.viscosity.is_some() { of_quantities(summary, &RHEOMETRY) } else { Vec::new() }
+}
+
+/// The rate that a stress decides.
+fn of_shear_at_a_stress(summary: &Summary) -> Vec<Answer> {
+    let decided = summary.flow.as_ref().is_some_and(|flow| flow.drive == "shear-stress");
+    if decided { of_quantities(summary, &[("shear rate", "shear_rate")]) } else { Vec::new() }
+}
+
+/// What a layer under a given pressure is pressed for.
+fn of_loaded_wall(summary: &Summary) -> Vec<Answer> {
+    of_quantities(summary, &[("layer friction", "stress_ratio"), ("solid fraction", "solid_fraction")])
+}
+
+/// How chains and cells are shaped, and how much inertia bodies have.
+fn of_objects(summary: &Summary) -> Vec<Answer> {
+    let lines = [
+        ("end-to-end distance", "end_to_end"),
+        ("cell inclination", "inclination"),
+        ("largest Reynolds no.", "reynolds"),
+        ("largest Stokes no.", "stokes"),
+    ];
+    of_quantities(summary, &lines)
+}
+
+/// Lines of quantities, by their columns: means over the steady part, or what is at the end; none of those that a run does not have.
+fn of_quantities(summary: &Summary, lines: &[(&'static str, &str)]) -> Vec<Answer> {
     let when = if summary.steps > 0 { " at the end" } else { "" };
-    let line = |(name, column): (&'static str, &str)| {
+    let line = |&(name, column): &(&'static str, &str)| {
         let quantity = summary.quantities.get(column)?;
         let value = match (&quantity.mean, quantity.last) {
             (Some(SteadyMean { value, interval: [low, high], .. }), _) if low < high => {
@@ -100,7 +130,7 @@ fn of_rheometry(summary: &Summary) -> Vec<Answer> {
         };
         Some(Answer::new(name, value))
     };
-    if summary.viscosity.is_some() { RHEOMETRY.into_iter().filter_map(line).collect() } else { Vec::new() }
+    lines.iter().filter_map(line).collect()
 }
 
 /// The sum of parts in words, rounded such that what is written adds up; nothing for a single part.

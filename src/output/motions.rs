@@ -124,10 +124,12 @@ impl VelocitySummary {
         Some(summary)
     }
 
-    /// Of dry bodies; collective.
+    /// Of free dry bodies; collective.
     pub fn of_dry<const D: usize>(simulation: &Simulation<D>, world: &crate::parallel::World) -> Option<VelocitySummary> {
         let state = simulation.state();
-        let own = simulation.moving().iter().fold(Sums::<D>::default(), |sums, moving| sums.with(&moving.twist.velocity));
+        let (moving, free) = (simulation.moving(), simulation.free());
+        let free = moving.iter().zip(free).filter(|(_, free)| *free);
+        let own = free.fold(Sums::<D>::default(), |sums, (moving, _)| sums.with(&moving.twist.velocity));
         let mut numbers = vec![own.count, own.squares];
         numbers.extend(own.total.as_slice());
         state.peers(world).sum(&mut numbers);

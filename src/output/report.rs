@@ -151,10 +151,12 @@ pub fn sparkline(values: impl Iterator<Item = f64>) -> Option<String> {
         part.iter().sum::<f64>() / part.len() as f64
     };
     let means: Vec<f64> = (0..count).map(mean).collect();
-    let (lowest, highest) = means.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mean| (low.min(*mean), high.max(*mean)));
+    let range =
+        |values: &[f64]| values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)));
+    let ((lowest, highest), (least, most)) = (range(&means), range(&values));
     let scale = if highest > lowest { (BARS.len() - 1) as f64 / (highest - lowest) } else { 0.0 };
     let line: String = means.iter().map(|mean| BARS[((mean - lowest) * scale).round() as usize]).collect();
-    Some(format!("{line}   {lowest:.4} to {highest:.4}"))
+    Some(format!("{line}   {least:.4} to {most:.4}"))
 }
 
 /// A number and what it counts.
@@ -184,6 +186,10 @@ mod tests {
     #[test]
     fn a_sparkline_shows_the_range_and_needs_two_values() {
         assert_eq!(sparkline([1.0, 2.0].into_iter()).as_deref(), Some("▁█   1.0000 to 2.0000"));
+        // a peak is in the range, though the bar that has it shows a mean
+        assert!(
+            sparkline((0..1000).map(|step| if step == 500 { 9.0 } else { 1.0 })).is_some_and(|line| line.ends_with("1.0000 to 9.0000"))
+        );
         assert_eq!(sparkline([1.0, f64::NAN].into_iter()), None);
         assert!(sparkline((0..1000).map(f64::from)).is_some_and(|line| line.chars().count() < 90));
     }

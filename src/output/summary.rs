@@ -87,7 +87,8 @@ pub struct Summary {
 /// The flow as a whole.
 #[derive(Debug, Clone, Serialize)]
 pub struct FlowSummary {
-    /// What drives it: `none`, `mean-velocity`, `pressure-gradient`, `body-force` or `shear`.
+    /// What drives it: `none`, `mean-velocity`, `pressure-gradient`, `body-force`, `shear`, or
+    /// `shear-stress` where a stress decides the rate.
     pub drive: &'static str,
     /// Over the whole box, bodies included, without a background shear.
     pub mean_velocity: Vec<f64>,
@@ -391,6 +392,7 @@ impl Summary {
 impl FlowSummary {
     fn new<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> FlowSummary {
         let drive = match setup.drive {
+            _ if setup.protocol().is_some_and(|protocol| protocol.stress().is_some()) => "shear-stress",
             Drive::Rest => "none",
             Drive::MeanVelocity(_) => "mean-velocity",
             Drive::PressureGradient(_) => "pressure-gradient",
@@ -398,10 +400,12 @@ impl FlowSummary {
             Drive::Shear(_) => "shear",
         };
         let (size, volume) = (setup.domain.size, setup.domain.volume());
+        // nothing flows through walls; the grid's mean is what interpolation makes of that
+        let mean_velocity = |axis: usize| if setup.domain.axes[axis].walls().is_some() { 0.0 } else { solution.mean_velocity[axis] };
         FlowSummary {
             drive,
-            mean_velocity: solution.mean_velocity.as_slice().to_vec(),
-            flow_rate: (0..D).map(|axis| solution.mean_velocity[axis] * volume / size[axis]).collect(),
+            mean_velocity: (0..D).map(mean_velocity).collect(),
+            flow_rate: (0..D).map(|axis| mean_velocity(axis) * volume / size[axis]).collect(),
             pressure_gradient: solution.pressure_gradient.as_slice().to_vec(),
         }
     }

@@ -82,7 +82,7 @@ pub fn viscosity<const D: usize>(
     let parts = stress.parts.map(|part| shear.of_stress(&part));
     // what a tiny rate stands for does not flow
     let imagined = if shear.at_rest { 1.0 } else { 0.0 };
-    let sign = if setup.domain.protocol().is_some() { shear.flow[0] } else { 1.0 };
+    let sign = shear.sign();
     Ok(Some(Viscosity {
         rate: shear.rate,
         at_rest: shear.at_rest,

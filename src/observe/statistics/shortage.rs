@@ -37,6 +37,17 @@ impl Shortage {
         Shortage::Memory(length * (lengthening(correlation) - 1.0).max(0.1))
     }
 
+    /// The same, with what another asks for if that is more.
+    pub(super) fn or_more(self, other: Shortage) -> Shortage {
+        let more = other.further().unwrap_or(0.0);
+        match self {
+            Shortage::FewSamples(further) => Shortage::FewSamples(further.map(|further| further.max(more))),
+            Shortage::Length(further) => Shortage::Length(further.max(more)),
+            Shortage::Drift(further) => Shortage::Drift(further.max(more)),
+            Shortage::Memory(further) => Shortage::Memory(further.max(more)),
+        }
+    }
+
     /// How much further the curve must go, at least, if that can be told.
     pub fn further(self) -> Option<f64> {
         match self {
@@ -90,6 +101,14 @@ mod tests {
     fn a_steady_part_that_is_too_short_tells_what_it_lacks() {
         let length = shortage(401, 10.0, |_| 1.0);
         assert!(matches!(length, Shortage::Length(further) if (4.0 + further - 10.0 / 0.9).abs() < 1e-9), "{length:?}");
+    }
+
+    #[test]
+    fn a_curve_with_too_few_samples_tells_the_length_that_it_lacks_too() {
+        let few = shortage(21, 10.0, |_| 1.0);
+        assert!(matches!(few, Shortage::FewSamples(Some(further)) if (0.2 + further - 10.0 / 0.9).abs() < 1e-9), "{few:?}");
+        let drift = shortage(401, 10.0, |strain| strain);
+        assert!(matches!(drift, Shortage::Drift(further) if (4.0 + further - 10.0 / 0.9).abs() < 1e-9), "{drift:?}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::{
     interval, resampled,
     shortage::{FEWEST_SAMPLES, MOST_CORRELATED},
     transient,
+    transient::ALWAYS,
 };
 use crate::linalg::ROUNDING;
 
@@ -36,6 +37,12 @@ pub struct Steady {
 /// # Errors
 /// Why there is none: the curve is too short or has not become steady.
 pub fn steady(curve: &[(f64, f64)], least: f64) -> std::result::Result<Steady, Shortage> {
+    let [from, to] = [curve.first(), curve.last()].map(|point| point.map_or(0.0, |point| point.0));
+    // whatever else it lacks, no curve that is shorter has such a part
+    steady_part(curve, least).map_err(|shortage| shortage.or_more(Shortage::length((1.0 - ALWAYS) * (to - from), least)))
+}
+
+fn steady_part(curve: &[(f64, f64)], least: f64) -> std::result::Result<Steady, Shortage> {
     let samples = resampled(curve, curve.len().saturating_sub(1).min(MOST_SAMPLES));
     let [from, to] = [curve.first(), curve.last()].map(|point| point.map_or(0.0, |point| point.0));
     if samples.len() < FEWEST_SAMPLES {

@@ -43,7 +43,16 @@ pub fn velocities<const D: usize>() -> Vec<Quantity<D>> {
             ),
         ]
     };
-    of_bodies.into_iter().chain((0..D).flat_map(of_flow)).collect()
+    let gradient = Quantity::new(
+        "pressure_gradient",
+        "pressure/length",
+        "where the mean velocity is prescribed: mean pressure gradient that drives it",
+        |view| {
+            let flow = view.flow.filter(|flow| matches!(flow.solver.setup().drive, Drive::MeanVelocity(_)))?;
+            view.motion.map(|_| flow.solution.pressure_gradient)
+        },
+    );
+    of_bodies.into_iter().chain((0..D).flat_map(of_flow)).chain([gradient]).collect()
 }
 
 /// The mean over free bodies of the velocity of the image in the box; nothing without any. Collective.

@@ -28,14 +28,14 @@ pub fn viscosity<const D: usize>() -> Vec<Quantity<D>> {
     [whole].into_iter().chain(Part::ALL.map(part)).chain(normal).collect()
 }
 
-const FIRST: &str = "first normal stress difference (flow less gradient direction) over viscosity and shear rate; tension positive";
-const SECOND: &str = "second normal stress difference (gradient less vorticity direction) over viscosity and shear rate, in 3D";
-const PRESSURE: &str =
-    "pressure that the bodies bear beyond the mean pressure of the fluid, over viscosity and shear rate; positive: they push outwards";
+const FIRST: &str =
+    "first normal stress difference (flow less gradient direction) over viscosity and size of the shear rate; tension positive";
+const SECOND: &str = "second normal stress difference (gradient less vorticity direction) over viscosity and size of the shear rate, in 3D";
+const PRESSURE: &str = "pressure that the bodies bear beyond the mean pressure of the fluid, over viscosity and size of the shear rate; positive: they push outwards";
 
 /// The tensor of all parts, the rate, and what each part has of the normal stresses.
 pub fn stress<const D: usize>() -> Vec<Quantity<D>> {
-    let tensor = "mean stress of all parts over viscosity and shear rate, without the pressure of the fluid; tension positive";
+    let tensor = "mean stress of all parts over viscosity and size of the shear rate, without the pressure of the fluid; tension positive";
     let whole = [
         Quantity::of_shear("stress", tensor, |found: &Viscosity| {
             let stress: SMatrix<f64, D, D> = found.stress.total().fixed_view::<D, D>(0, 0).into_owned();
@@ -44,15 +44,12 @@ pub fn stress<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new(
             "shear_rate",
             "1/time",
-            "in simple shear: the shear rate that box and drive impose, negative where one that changes is reversed",
+            "in simple shear: the shear rate that box and drive impose; negative: towards negative x",
             |view| Some(view.shear()?.rate_along(&view.flow?.solver.setup().domain)),
         ),
-        Quantity::new(
-            "shear_stress",
-            "pressure",
-            "mean shear stress of the suspension, negative where a rate that changes has reversed it",
-            |view| Some(view.viscosity.as_ref()?.shear_stress),
-        ),
+        Quantity::new("shear_stress", "pressure", "mean shear stress of the suspension, with the sign of the shear rate", |view| {
+            Some(view.viscosity.as_ref()?.shear_stress)
+        }),
         Quantity::new("wall_stress", "pressure", "shear stress on the walls, mean of both; what a rheometer measures", |view| {
             view.viscosity.as_ref()?.wall_stress
         }),

@@ -10,12 +10,9 @@ pub fn times<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new("step", "", "number of the step; 0 is the start", |view| Some(view.motion?.state().steps)).of_run(),
         Quantity::new("time", "time", "time at which the row holds", |view| Some(view.motion?.state().time)).of_run(),
         Quantity::new("last_step", "time", "length of the step that led there", |view| Some(view.motion?.state().last_step)).of_run(),
-        Quantity::new(
-            "strain",
-            "",
-            "in simple shear: the integral of the shear rate; negative where a shear whose rate changes has gone back",
-            |view| Some(view.shear()?.strain(&view.flow?.solver.setup().domain, view.motion?.state().time)),
-        ),
+        Quantity::new("strain", "", "in simple shear: the integral of the shear rate, with its sign", |view| {
+            Some(view.shear()?.strain_along(&view.flow?.solver.setup().domain, view.motion?.state().time))
+        }),
     ]
 }
 

@@ -9,13 +9,18 @@ use crate::{
 
 /// Where the wall is, how dense the layer, and what its contacts do to the wall.
 pub fn loaded<const D: usize>() -> Vec<Quantity<D>> {
-    let stress = "force of the contacts of the step on the wall that domain.normal_stress presses, and on what is fixed to it, per area";
-    let ratio = "the part of that along the wall over domain.normal_stress: shear stress over normal stress";
+    let stress = "force of the contacts of the step on the wall that domain.normal_stress presses, and on what is fixed to it, per area, in the axes of the box";
+    let ratio = "size of loaded_wall_stress along the wall over domain.normal_stress: the friction coefficient of the layer";
     vec![
         Quantity::new("wall_position", "length", "coordinate of the wall that domain.normal_stress presses", |view| {
             Some(view.motion?.state().wall?.position)
         }),
-        Quantity::new("solid_fraction", "ratio", "volume of all bodies over that between the walls, one of which that is", solid_fraction),
+        Quantity::new(
+            "solid_fraction",
+            "ratio",
+            "volume of all bodies over that between the walls, of which the pressed one moves",
+            solid_fraction,
+        ),
         Quantity::new("loaded_wall_stress", "pressure", stress, wall_stress),
         Quantity::new("stress_ratio", "ratio", ratio, |view| {
             let (axis, mut stress): (usize, SVector<f64, D>) = (view.motion?.state().wall?.axis, wall_stress(view)?);
