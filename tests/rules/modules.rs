@@ -310,7 +310,11 @@ fn way(graph: &BTreeMap<Segments, BTreeSet<Segments>>, from: &Segments, to: &Seg
 fn modules_import_from_those_before_them() {
     let library = Library::read();
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
-    let order: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("pub mod ")).map(|name| name.trim_end_matches(';')).collect();
+    let order: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub mod ").or_else(|| line.strip_prefix("mod ")))
+        .map(|name| name.trim_end_matches(';'))
+        .collect();
     let (mut wrong, mut checked) = (BTreeSet::new(), 0);
     for (module, source) in library.0.iter().filter(|(module, _)| !module.is_empty()) {
         let own = order.iter().position(|name| *name == module[0]).unwrap();
