@@ -183,7 +183,10 @@ mod tests {
         let alone = [format!("scaling {absent}"), format!("cost {absent}"), format!("inverses {absent}")];
         for words in alone {
             let outcome = execute_alone(&parsed(&format!("turbid {words}"))).unwrap_or_else(|| panic!("{words} takes a session"));
-            assert!(matches!(outcome, Err(Error::File { .. })), "{words}: {outcome:?}");
+            let Err(error @ Error::Refused(_)) = outcome else { panic!("{words}: {outcome:?}") };
+            let expected =
+                "/nowhere/scene.toml: no such file; `turbid new` writes a scene to begin with, `turbid examples` lists others to copy";
+            assert_eq!(message(&error), expected, "{words}");
         }
         assert!(matches!(execute_alone(&parsed("turbid keys flow.viscosity")), Some(Ok(()))));
         let on_ranks =
