@@ -2,6 +2,7 @@
 
 mod animate;
 mod columns;
+mod commands;
 mod examples;
 mod keys;
 mod lists;
@@ -20,6 +21,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{error::Result, parallel::first_of_launched, petsc::Session, run::check_memory_of_plan, study::SceneArguments};
+pub use commands::unknown_command;
 pub use lists::join_lists;
 pub use petsc_options::check_options;
 use studies::SelectedStudy;

@@ -113,7 +113,8 @@ fn a_resume_of_a_run_at_its_end_says_so_and_how_it_goes_further() {
     for ranks in [1, 3] {
         let output = turbid(ranks, &["resume", &out]);
         let (code, said) = (output.status.code(), said(&output));
-        let line = format!("turbid: {out}: the run is at its end (time.end = 1.6); `turbid resume {out} --set time.end=..` takes it further");
+        let line =
+            format!("turbid: {out}: the run is at its end (time.end = 1.6); `turbid resume {out} --set time.end=..` takes it further");
         assert!(code == Some(0) && said.matches(&line).count() == 1, "{code:?} on {ranks} ranks: {said}");
     }
     let further = turbid(1, &["resume", &out, "--set", "time.end=2"]);
