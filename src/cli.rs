@@ -2,6 +2,7 @@
 
 mod animate;
 mod columns;
+mod commands;
 mod examples;
 mod keys;
 mod lists;
@@ -20,6 +21,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::{error::Result, parallel::first_of_launched, petsc::Session, run::check_memory_of_plan, study::SceneArguments};
+pub use commands::unknown_command;
 pub use lists::join_lists;
 pub use petsc_options::check_options;
 use studies::SelectedStudy;
@@ -183,7 +185,10 @@ mod tests {
         let alone = [format!("scaling {absent}"), format!("cost {absent}"), format!("inverses {absent}")];
         for words in alone {
             let outcome = execute_alone(&parsed(&format!("turbid {words}"))).unwrap_or_else(|| panic!("{words} takes a session"));
-            assert!(matches!(outcome, Err(Error::File { .. })), "{words}: {outcome:?}");
+            let Err(error @ Error::Refused(_)) = outcome else { panic!("{words}: {outcome:?}") };
+            let expected =
+                "/nowhere/scene.toml: no such file; `turbid new` writes a scene to begin with, `turbid examples` lists others to copy";
+            assert_eq!(message(&error), expected, "{words}");
         }
         assert!(matches!(execute_alone(&parsed("turbid keys flow.viscosity")), Some(Ok(()))));
         let on_ranks =

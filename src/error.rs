@@ -128,6 +128,12 @@ pub enum Offer {
     Insist,
     /// Name the output folder of a run.
     FolderOfRun,
+    /// Name one of these folders of runs that have frames; where there are none, keep the frames of the runs of a sweep.
+    RunWithFrames(Vec<PathBuf>),
+    /// Ask for the sweep again, which goes on.
+    RepeatSweep,
+    /// Begin with a scene that is made for it.
+    NewScene,
 }
 
 impl Error {
@@ -243,6 +249,10 @@ impl fmt::Display for Offer {
             Offer::Anew => ", or start anew",
             Offer::Insist => ", or insist",
             Offer::FolderOfRun => "; name the output folder of a run",
+            Offer::RunWithFrames(folders) if folders.is_empty() => "; a sweep has frames where it keeps all files of its runs",
+            Offer::RunWithFrames(_) => "; name one of its runs",
+            Offer::RepeatSweep => "; repeat the sweep, which goes on",
+            Offer::NewScene => "; write a scene, or copy an example",
         })
     }
 }

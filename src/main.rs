@@ -1,10 +1,8 @@
 //! The program: reads the command line, starts MPI and PETSc, and turns errors into exit codes.
 
-use std::io::ErrorKind;
-
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, Parser, error::ErrorKind};
 use turbid::{
-    cli::{Arguments, check_options, execute, execute_alone, join_lists, message},
+    cli::{Arguments, check_options, execute, execute_alone, join_lists, message, unknown_command},
     error::{Error, Result},
     output::note,
     parallel::{abort_on_panic, end_together, first_of_launched},
@@ -25,9 +23,12 @@ fn misused(error: &clap::Error) -> i32 {
     if !first_of_launched() {
         return error.exit_code();
     }
+    if let Some(word) = no_command(error) {
+        return finish_alone(Err(unknown_command(&Arguments::command(), &word)));
+    }
     // clap prints help to the standard output and errors to the standard error
     if let Err(failure) = error.print().as_ref().map_err(std::io::Error::kind)
-        && failure != ErrorKind::BrokenPipe
+        && failure != std::io::ErrorKind::BrokenPipe
     {
         return finish_alone(Err(Error::File { path: "standard output".into(), source: failure.into() }));
     }
@@ -38,6 +39,16 @@ fn misused(error: &clap::Error) -> i32 {
         note(&format!("commands: {}", names.join(", ")));
     }
     error.exit_code()
+}
+
+/// The first word of the command line, where it is what is wrong and no flag: clap takes it for one of the words that stand after `--`.
+fn no_command(error: &clap::Error) -> Option<String> {
+    let word = std::env::args().nth(1).filter(|word| !word.starts_with('-'))?;
+    let mut program = Arguments::command();
+    // with the command `help`, which clap adds
+    program.build();
+    let wrong = matches!(error.kind(), ErrorKind::UnknownArgument | ErrorKind::InvalidSubcommand);
+    (wrong && program.find_subcommand(&word).is_none()).then_some(word)
 }
 
 fn on_all_ranks(arguments: &Arguments) -> i32 {

@@ -13,6 +13,10 @@ type ListedCenter<const D: usize> = (SVector<f64, D>, Option<f64>);
 /// Names of the columns.
 const COLUMNS: [&str; 4] = ["x", "y", "z", "radius"];
 
+/// What to do about a column of another name.
+const OTHERS: &str =
+    "; leave it out; density, velocity and the like are keys of a group: write one group for each value, with a file of its own";
+
 /// Reads the centres, and the radii if given, of the bodies in a CSV file; see [`parse_centers`].
 ///
 /// Returns [`Error::File`](crate::error::Error::File) if the file cannot be read and [`Error::Refused`](crate::error::Error::Refused) if its text cannot be used.
@@ -24,7 +28,7 @@ pub fn read_centers<const D: usize>(path: &Path) -> Result<Vec<(SVector<f64, D>,
 /// Parses the text of a file of centres, one body a line, with the columns `x,y[,z][,radius]`.
 pub fn parse_centers<const D: usize>(name: &str, text: &str) -> Result<Vec<(SVector<f64, D>, Option<f64>)>> {
     let columns: Vec<&str> = COLUMNS[..D].iter().chain(&COLUMNS[3..]).copied().collect();
-    parse(name, text, &Format { rows: "centres", columns: &columns, required: D }, entry)
+    parse(name, text, &Format { rows: "centres", columns: &columns, required: D, others: OTHERS }, entry)
 }
 
 /// The centre and radius on one line.
@@ -69,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_may_be_parted_by_spaced_commas_semicolons_tabs_and_spaces() {
+    fn columns_may_be_parted_by_spaced_commas_semicolons_tabs_and_spaces_and_stand_in_quotes() {
         let expected: [ListedCenter<2>; 2] = [([1.0, 2.5].into(), Some(0.5)), ([-3.0, 4.0].into(), Some(0.25))];
         let texts = [
             " x , y, radius\n 1 , 2.5 ,0.5 \n-3,  4, 0.25",
@@ -78,6 +82,10 @@ mod tests {
             "1 2.5   0.5\n-3 4 0.25",
         ];
         for text in texts {
+            assert_eq!(parse_centers::<2>("c.csv", text).unwrap(), expected, "{text}");
+        }
+        let quoted = ["\"x\",\"y\",\"radius\"\n1,2.5,0.5\n-3,4,0.25", "\"x\" \"y\" \"radius\"\n\"1\" \"2.5\" 0.5\n-3 4 \"0.25\""];
+        for text in quoted {
             assert_eq!(parse_centers::<2>("c.csv", text).unwrap(), expected, "{text}");
         }
         assert!(refusal::<2>("1,5;2,5").contains("write numbers with decimal points"), "{}", refusal::<2>("1,5;2,5"));
@@ -91,7 +99,21 @@ mod tests {
             ("1,2\n3,", "c.csv:2: found \"\", expected a finite number"),
             ("1,2\n\n3,4,5", "c.csv:3: found 3 columns, expected 2 as in the first line"),
             ("1,2,-1", "c.csv:1: found radius -1, expected a positive number"),
-            ("x,y,mass\n1,2,3", "c.csv:1: unknown column \"mass\"; expected x, y, radius"),
+            (
+                "x,y,mass\n1,2,3",
+                "c.csv:1: unknown column \"mass\"; expected x, y, radius; leave it out; density, velocity and the like are keys of a group: write one \
+                 group for each value, with a file of its own",
+            ),
+            (
+                "\"\",\"x\",\"y\"\n\"1\",1,2",
+                "c.csv:1: the first column has no name; leave out row names: in R write.csv(.., row.names = FALSE), in pandas to_csv(.., index=False)",
+            ),
+            (
+                "\"x\" \"y\"\n\"1\" 1 2",
+                "c.csv:2: found 3 columns, expected 2 as in the first line; leave out row names: in R write.csv(.., row.names = FALSE), in pandas \
+                 to_csv(.., index=False)",
+            ),
+            ("\"x\",\"y\"\n1,\"2", "c.csv:2: found \"\\\"2\", expected a finite number"),
             ("x,x\n1,2", "c.csv:1: column \"x\" appears twice"),
             ("x,radius\n1,2", "c.csv:1: the header names no column \"y\""),
             ("1,2,3,4", "c.csv:1: found 4 columns, expected x,y,radius with or without radius"),
@@ -114,7 +136,7 @@ mod tests {
         #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
 
         #[test]
-        fn no_text_panics(text in "\\PC*", lines in "([xyz0-9.,eE+# \n-]|radius|nan|inf){0,60}") {
+        fn no_text_panics(text in "\\PC*", lines in "([xyz0-9.,eE+# \"\n-]|radius|nan|inf){0,60}") {
             for text in [text, lines] {
                 let _ = parse_centers::<2>("c.csv", &text);
                 let _ = parse_centers::<3>("c.csv", &text);

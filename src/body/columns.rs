@@ -12,7 +12,12 @@ pub struct Format<'a> {
     pub columns: &'a [&'a str],
     /// How many of these it must have; the others may be absent together.
     pub required: usize,
+    /// What to do about a column of another name.
+    pub others: &'a str,
 }
+
+/// What to do about the row names that R writes without being asked.
+const ROW_NAMES: &str = "leave out row names: in R write.csv(.., row.names = FALSE), in pandas to_csv(.., index=False)";
 
 /// The text of a file that a user names. A pipe or a device, which may never end and which only one rank could read, is none.
 ///
@@ -30,7 +35,8 @@ pub fn read_text(path: &Path) -> Result<String> {
 /// Parses a table; `row` makes something of the numbers of a line, which are in the order of the columns, or says why it cannot.
 ///
 /// Columns are in any order if the first line names them. Commas part them, or semicolons, or else tabs and spaces; spaces around commas and semicolons
-/// mean nothing. Blank lines and lines that start with `#` are skipped. Refusals begin with `name` and the line number.
+/// mean nothing, and so do double quotes around a name or a number. Blank lines and lines that start with `#` are skipped. Refusals begin with `name` and the
+/// line number.
 pub fn parse<T>(name: &str, text: &str, format: &Format, mut row: impl FnMut(&[f64]) -> std::result::Result<T, String>) -> Result<Vec<T>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
@@ -40,14 +46,17 @@ pub fn parse<T>(name: &str, text: &str, format: &Format, mut row: impl FnMut(&[f
     };
     let separator = Separator::of(first).map_err(|reason| refuse(number, reason))?;
     let names = separator.fields(first);
-    let columns = if is_header(&names) {
-        lines.next();
-        format.header_columns(&names)
-    } else {
-        format.default_columns(names.len())
+    let columns = match &names[..] {
+        ["", others @ ..] if is_header(others) => Err(format!("the first column has no name; {ROW_NAMES}")),
+        names if is_header(names) => {
+            lines.next();
+            format.header_columns(names)
+        }
+        names => format.default_columns(names.len()),
     }
     .map_err(|reason| refuse(number, reason))?;
-    let mut made = |line: &str| row(&numbers(&columns, &separator.fields(line))?);
+    let read = |line: &str| numbers(&columns, &separator.fields(line)).map_err(|reason| named_row(reason, line, columns.len()));
+    let mut made = |line: &str| row(&read(line)?);
     let rows: Vec<T> = lines.map(|(number, line)| made(line).map_err(|reason| refuse(number, reason))).collect::<Result<_>>()?;
     match rows.is_empty() {
         true => Err(refuse(number, format!("a header but no {} below it", format.rows))),
@@ -61,7 +70,8 @@ impl Format<'_> {
         let mut columns = Vec::new();
         for field in fields {
             let column = self.columns.iter().position(|name| field.eq_ignore_ascii_case(name));
-            let column = column.ok_or_else(|| format!("unknown column {}; expected {}", quoted(field), self.columns.join(", ")))?;
+            let column =
+                column.ok_or_else(|| format!("unknown column {}; expected {}{}", quoted(field), self.columns.join(", "), self.others))?;
             if columns.contains(&column) {
                 return Err(format!("column {} appears twice", quoted(field)));
             }
@@ -106,14 +116,26 @@ impl Separator {
 
     fn fields(self, line: &str) -> Vec<&str> {
         match self {
-            Separator::Sign(sign) => line.split(sign).map(str::trim).collect(),
-            Separator::Blanks => line.split_whitespace().collect(),
+            Separator::Sign(sign) => line.split(sign).map(unquoted).collect(),
+            Separator::Blanks => line.split_whitespace().map(unquoted).collect(),
         }
     }
 }
 
+/// A field without the blanks and the double quotes around it.
+fn unquoted(field: &str) -> &str {
+    let field = field.trim();
+    field.strip_prefix('"').and_then(|field| field.strip_suffix('"')).map_or(field, str::trim)
+}
+
 fn is_header(fields: &[&str]) -> bool {
-    fields.iter().all(|field| !field.is_empty() && field.parse::<f64>().is_err())
+    !fields.is_empty() && fields.iter().all(|field| !field.is_empty() && field.parse::<f64>().is_err())
+}
+
+/// Why a line cannot be used, with a remedy where it begins with a name in quotes besides the columns of the header, as R's `write.table` has it.
+fn named_row(reason: String, line: &str, columns: usize) -> String {
+    let fields = Separator::of(line).map_or(0, |separator| separator.fields(line).len());
+    if line.starts_with('"') && fields == columns + 1 { format!("{reason}; {ROW_NAMES}") } else { reason }
 }
 
 /// The numbers on one line, in the order of the columns of the format.

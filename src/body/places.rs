@@ -23,7 +23,7 @@ fn parse_places<const D: usize>(name: &str, text: &str) -> Result<Vec<Vec<f64>>>
         Some(remedy) => Err(format!("{}: {remedy}", numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(","))),
         None => Ok(last.insert(numbers.to_vec()).clone()),
     };
-    let places = parse(name, text, &Format { rows: "places", columns: &COLUMNS[..=D], required: D + 1 }, row)?;
+    let places = parse(name, text, &Format { rows: "places", columns: &COLUMNS[..=D], required: D + 1, others: "" }, row)?;
     match places.len() {
         1 => Err(Error::refused(format!("{name}: holds one place; {TOO_FEW}"))),
         _ => Ok(places),

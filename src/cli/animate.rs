@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{
     error::{Error, Result},
     observe::{AnimationFrame, Plane, species_of},
-    output::{FrameFile, convert_to_video, ffmpeg_present, say, write_whole_with},
+    output::{FrameFile, convert_to_video, ffmpeg_present, say, scene_and_frames, write_whole_with},
     petsc::Session,
     picture::AnimationFormat,
     scene::{Colour, Scene},
@@ -31,10 +31,10 @@ pub fn animate(session: &Session, film: &AnimationArguments) -> Result<()> {
             return Err(Error::refused(format!("--seconds {}: must be positive", film.seconds)));
         }
         let target = target(&film.out)?;
-        let scene = Scene::read(&film.folder.join("scene.toml"), &[])?;
+        let (scene, files) = scene_and_frames(film.folder)?;
         match scene.dimension() {
-            2 => write::<2>(&scene, film, target)?,
-            _ => write::<3>(&scene, film, target)?,
+            2 => write::<2>((&scene, &files), film, target)?,
+            _ => write::<3>((&scene, &files), film, target)?,
         }
         say(&film.out.display().to_string())
     };
@@ -70,13 +70,13 @@ fn target(out: &Path) -> Result<Target> {
 }
 
 /// Writes the animation; a video by way of an animated PNG beside it.
-fn write<const D: usize>(scene: &Scene, film: &AnimationArguments, target: Target) -> Result<()> {
+fn write<const D: usize>(run: (&Scene, &[FrameFile]), film: &AnimationArguments, target: Target) -> Result<()> {
     match target {
-        Target::Animation(format) => draw_frames::<D>(scene, film, format, &film.out),
+        Target::Animation(format) => draw_frames::<D>(run, film, format, &film.out),
         Target::Video(format) => {
             let stills = film.out.with_extension(format!("{}.png", std::process::id()));
             let made =
-                draw_frames::<D>(scene, film, AnimationFormat::Png, &stills).and_then(|()| convert_to_video(&stills, format, &film.out));
+                draw_frames::<D>(run, film, AnimationFormat::Png, &stills).and_then(|()| convert_to_video(&stills, format, &film.out));
             // what cannot be removed now is only in the way
             let _ = std::fs::remove_file(&stills);
             made
@@ -85,12 +85,13 @@ fn write<const D: usize>(scene: &Scene, film: &AnimationArguments, target: Targe
 }
 
 /// Reads the frames twice, one at a time: for what their colours depend on, and to draw them.
-fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments, format: AnimationFormat, out: &Path) -> Result<()> {
-    let (plane, files) = (Plane::of(scene), FrameFile::of_run(arguments.folder)?);
-    if files.is_empty() {
-        let folder = arguments.folder.display();
-        return Err(Error::refused(format!("{folder}: holds no frames; only runs with a [time] section write them")));
-    }
+fn draw_frames<const D: usize>(
+    (scene, files): (&Scene, &[FrameFile]),
+    arguments: &AnimationArguments,
+    format: AnimationFormat,
+    out: &Path,
+) -> Result<()> {
+    let plane = Plane::of(scene);
     let read = |file: &FrameFile| -> Result<AnimationFrame> {
         let stored = file.read::<D>()?;
         let flow = if scene.output.colour == Colour::Vorticity { file.vorticity::<D>(plane)? } else { None };
@@ -103,7 +104,7 @@ fn draw_frames<const D: usize>(scene: &Scene, arguments: &AnimationArguments, fo
         Ok(AnimationFrame { wall, ..plane.frame((stored.time, stored.offset.unwrap_or(0.0)), stored.bodies, &groups, flow) })
     };
     let mut film = plane.film(scene);
-    for file in &files {
+    for file in files {
         film.add(&read(file)?);
     }
     if film.colour == Colour::Vorticity && film.coloured.is_empty() {

@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::error::{Error, Result};
 use crate::output::say;
-use crate::scene::{Key, KeySection, SECTIONS};
+use crate::scene::{Key, KeySection, SECTIONS, nearest};
 
 /// What the reference of scenes begins with.
 const HEAD: &str = "# Scene reference
@@ -17,7 +17,7 @@ number is. Numbers are 0 or from 1e-60 to 1e60 in size. What a key needs is said
 /// The words after `turbid keys`.
 #[derive(Debug, Args)]
 pub struct KeysArguments {
-    /// A section, for example output or bodies.motion, or one of its keys, for example output.every (default: all).
+    /// A section, for example output or bodies.motion, one of its keys, for example output.every, or a word to look for in all of them (default: all).
     section: Option<String>,
     /// Print all of them as a page of Markdown.
     #[arg(long, hide = true)]
@@ -47,10 +47,44 @@ fn text(arguments: &KeysArguments) -> Result<String> {
     let (table, key) = name.rsplit_once('.').unwrap_or(("top", &name));
     let section = SECTIONS.iter().find(|section| section.name == table);
     let found = section.and_then(|section| Some(part(section, &[*section.keys.iter().find(|known| known.name == key)?])));
-    found.ok_or_else(|| {
-        let names: Vec<&str> = SECTIONS.iter().map(|section| section.name).collect();
-        Error::refused(format!("{name}: no section of a scene and no key of one; sections: {}", names.join(", ")))
-    })
+    found.map_or_else(|| with_word(&name), Ok)
+}
+
+/// The keys that have a word in their name, then those that have it in what is said of them.
+///
+/// # Errors
+/// There are none.
+fn with_word(word: &str) -> Result<String> {
+    let (sought, all) = (word.to_lowercase(), || SECTIONS.iter().flat_map(|section| section.keys.iter().map(move |key| (section, key))));
+    let in_name = |key: &Key| key.name.contains(&sought);
+    let in_words = |key: &Key| [key.meaning, key.kind].iter().any(|words| words.to_lowercase().contains(&sought));
+    let named = all().filter(|(_, key)| in_name(key)).chain(all().filter(|(_, key)| !in_name(key) && in_words(key)));
+    let lines: Vec<String> =
+        named.map(|(section, key)| format!("  {} = {}\n      {}\n", path(section, key), key.example, key.meaning)).collect();
+    match lines.is_empty() {
+        true => Err(unknown(word)),
+        false => Ok(format!(
+            "{word}: no section of a scene and no key of one, but a word of these; turbid keys SECTION.KEY tells more\n\n{}",
+            lines.concat()
+        )),
+    }
+}
+
+/// The refusal of a word that no key has, with the keys that may be meant.
+fn unknown(word: &str) -> Error {
+    let all = || SECTIONS.iter().flat_map(|section| section.keys.iter().map(move |key| (section, key)));
+    let sections: Vec<&str> = SECTIONS.iter().map(|section| section.name).collect();
+    let last = word.rsplit('.').next().unwrap_or(word);
+    let guess = nearest(last, all().map(|(_, key)| key.name)).map_or(";".to_owned(), |near| {
+        let paths: Vec<String> = all().filter(|(_, key)| key.name == near).map(|(section, key)| path(section, key)).collect();
+        format!("; did you mean {}?", paths.join(" or "))
+    });
+    Error::refused(format!("{word}: no section of a scene and no key of one{guess} sections: {}", sections.join(", ")))
+}
+
+/// The words after `turbid keys` that show a key.
+fn path(section: &KeySection, key: &Key) -> String {
+    if section.name == "top" { key.name.to_owned() } else { format!("{}.{}", section.name, key.name) }
 }
 
 /// Keys of a section for a terminal.
@@ -111,6 +145,15 @@ mod tests {
             let refusal = shown(absent).unwrap_err().to_string();
             assert!(refusal.starts_with(absent) && refusal.contains("sections: top, domain, "), "{refusal}");
         }
+    }
+
+    #[test]
+    fn a_word_is_looked_for_in_names_and_meanings_and_a_misspelt_one_is_guessed() {
+        let found = shown("viscosity").unwrap();
+        assert!(found.contains("\n  flow.viscosity = ") && found.contains("\n  time.until.viscosity_interval = "), "{found}");
+        assert!(shown("Hypre").unwrap().contains("\n  method.inverse = "));
+        let refusal = shown("frction").unwrap_err().to_string();
+        assert!(refusal.contains("; did you mean bodies.friction or contact.friction? sections: top, domain, "), "{refusal}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use clap::Command;
 use clap_complete::Shell;
 
+use super::commands::unknown_command;
 use crate::error::{Error, Result};
 use crate::output::say;
 
@@ -38,9 +39,7 @@ fn page(mut program: Command, name: Option<&str>) -> Result<String> {
 }
 
 fn of_name(program: &Command, name: &str) -> Result<Command> {
-    let shown = || program.get_subcommands().filter(|command| !command.is_hide_set());
-    let names = || shown().map(Command::get_name).collect::<Vec<_>>().join(", ");
-    let found = program.find_subcommand(name).ok_or_else(|| Error::refused(format!("{name}: no such command; commands: {}", names())))?;
+    let found = program.find_subcommand(name).ok_or_else(|| unknown_command(program, name))?;
     Ok(found.clone())
 }
 

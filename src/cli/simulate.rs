@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::Result,
-    output::{say, stage_table},
+    output::{note, say, stage_table},
     petsc::{Profile, Session},
     run::{self, Finished, NewRun, Options, Run, RunFolder},
     scene::Scene,
@@ -65,12 +65,25 @@ pub fn resume(session: &Session, arguments: &ResumeArguments) -> Result<()> {
     profiled(session, arguments.profile, || {
         let mut folder = RunFolder::to_resume(session.world(), &arguments.folder)?;
         let (scene, checkpoint) = folder.read(&arguments.overrides)?;
+        session.world().on_first_rank(|| {
+            if folder.ended_local(&scene) {
+                note(&format!("turbid: {}", at_its_end(&arguments.folder, &scene)));
+            }
+            Ok(())
+        })?;
         let finished = match scene.dimension() {
             2 => Run::<2>::resume(session, &scene, folder, &checkpoint, OPTIONS).and_then(Run::complete),
             _ => Run::<3>::resume(session, &scene, folder, &checkpoint, OPTIONS).and_then(Run::complete),
         };
         tell(session, &scene, finished)
     })
+}
+
+/// What is said of a run that is at its end already.
+fn at_its_end(folder: &Path, scene: &Scene) -> String {
+    let (folder, end) = (folder.display(), scene.end());
+    let until = scene.time.as_ref().and_then(|time| time.until).map_or("", |_| " or --set time.until.viscosity_interval=..");
+    format!("{folder}: the run is at its end (time.end = {end}); `turbid resume {folder} --set time.end=..`{until} takes it further")
 }
 
 /// The output folder that is asked for, or that of the scene's name.

@@ -1,5 +1,7 @@
 //! What the library says, in the words of the command line.
 
+use std::path::PathBuf;
+
 use crate::error::{Error, Offer, Place};
 
 /// An error as the program tells it: places and offers by the flags and commands they stand for.
@@ -29,8 +31,23 @@ fn offer(offer: &Offer) -> String {
         Offer::ThenResume(folder) => format!(", then `turbid resume {}` goes on from the last checkpoint", folder.display()),
         Offer::Anew => format!("{offer} with turbid run"),
         Offer::Insist => format!("{offer} with turbid run --force"),
-        Offer::FolderOfRun => "; turbid resume takes the output folder of a run".into(),
+        Offer::FolderOfRun => offer.to_string(),
+        Offer::RunWithFrames(folders) if folders.is_empty() => {
+            "; `turbid sweep` keeps frames of its runs with --keep all, and of those that it has made with --fresh besides".into()
+        }
+        Offer::RunWithFrames(folders) => format!("{offer}: {}", some(folders)),
+        Offer::RepeatSweep => "; repeat its `turbid sweep` command, which goes on".into(),
+        Offer::NewScene => "; `turbid new` writes a scene to begin with, `turbid examples` lists others to copy".into(),
     }
+}
+
+/// The first of some folders, and how many others there are.
+fn some(folders: &[PathBuf]) -> String {
+    const MOST: usize = 3;
+    let shown: Vec<String> = folders.iter().take(MOST).map(|folder| folder.display().to_string()).collect();
+    let others = folders.len() - shown.len();
+    let others = if others > 0 { format!(" or one of {others} others") } else { String::new() };
+    shown.join(", ") + &others
 }
 
 #[cfg(test)]
@@ -59,8 +76,27 @@ mod tests {
     }
 
     #[test]
+    fn runs_of_a_sweep_are_named_as_far_as_they_are_few() {
+        let folders = |count: usize| (0..count).map(|number| PathBuf::from(format!("s/{number}"))).collect::<Vec<_>>();
+        assert_eq!(offer(&Offer::RunWithFrames(folders(2))), "; name one of its runs: s/0, s/1");
+        assert_eq!(offer(&Offer::RunWithFrames(folders(5))), "; name one of its runs: s/0, s/1, s/2 or one of 2 others");
+        assert!(offer(&Offer::RunWithFrames(Vec::new())).contains("--keep all"));
+    }
+
+    #[test]
     fn what_the_library_says_names_no_flags() {
-        let offers = [Offer::Overwrite, Offer::ResumeOrOverwrite("a".into()), Offer::ThenResume("a".into()), Offer::Anew, Offer::Insist];
+        let offers = [
+            Offer::Overwrite,
+            Offer::ResumeOrOverwrite("a".into()),
+            Offer::ThenResume("a".into()),
+            Offer::Anew,
+            Offer::Insist,
+            Offer::FolderOfRun,
+            Offer::RunWithFrames(vec!["a".into()]),
+            Offer::RunWithFrames(Vec::new()),
+            Offer::RepeatSweep,
+            Offer::NewScene,
+        ];
         for offer in offers {
             let words = offer.to_string();
             assert!(!words.contains("--") && !words.contains("turbid"), "{words}");

@@ -8,6 +8,7 @@ use crate::{
     geometry::{Domain, Protocol, RateStep},
     grid::Grid,
     interaction::{Interaction, Interactions},
+    linalg::ROUNDING,
     motion::ShiftPeriod,
     scene::{FlowModel, MOST_WITH_FORCES, Motion, Scene, Scheme, Step, TimeSection},
     setup::Setup,
@@ -134,7 +135,7 @@ fn sliding<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> String {
 pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     let scene = &plan.scene;
     let motion = scene.time.as_ref().map(|time| schedule(time, scene.flow.model));
-    let frames = scene.time.as_ref().map(|_| format!("bodies every {}", scene.frame_interval()));
+    let frames = scene.time.as_ref().map(|time| format!("bodies every {}{}", scene.frame_interval(), frames_wait(scene, time)));
     let held = if scene.stores_vorticity() { "velocity, pressure and vorticity" } else { "velocity and pressure" };
     let fields = frames.as_ref().filter(|_| scene.stores_fields()).map(|_| format!("{held} of each cell in every frame"));
     let given = plan.setup().map_or(0, |setup| setup.given_motions().len());
@@ -166,6 +167,15 @@ pub fn in_time<const D: usize>(plan: &Plan<D>) -> Vec<Effect> {
     ];
     let motion = std::iter::once(effect(("motion in time", motion)));
     motion.chain(interactions(plan)).chain(of_output.map(effect)).collect()
+}
+
+/// What frames wait for where steps do not meet their times.
+fn frames_wait(scene: &Scene, time: &TimeSection) -> &'static str {
+    let whole = |ratio: f64| (ratio - ratio.round()).abs() <= ROUNDING * ratio;
+    match time.step {
+        Step::Fixed(step) if whole(scene.frame_interval() / step) => "",
+        _ => ", with the first step at or after each multiple of that",
+    }
 }
 
 /// To what time, by which rule and in which steps.

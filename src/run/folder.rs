@@ -9,14 +9,12 @@ use super::{calibration, command::command, origin::Origin};
 use crate::{
     error::{Error, Offer, Place, Refusal, Result},
     output::{
-        CHECKPOINT, CRATE, Checkpoint, FolderLock, RunRecord, SUMMARY, Summary, Traces, check_finite, prepare_folder, remove_file,
-        write_crate, write_whole,
+        CHECKPOINT, CRATE, Checkpoint, FolderLock, RunRecord, SCENE, SUMMARY, Summary, Traces, check_finite, prepare_folder, remove_file,
+        scene_file, write_crate, write_whole,
     },
     parallel::World,
     scene::Scene,
 };
-
-const SCENE: &str = "scene.toml";
 
 /// The folder that a run writes into. Once it is claimed, no other run writes there until this is dropped. All functions are collective.
 pub struct RunFolder<'a> {
@@ -119,6 +117,11 @@ impl<'a> RunFolder<'a> {
         world.agree(scene.same_run(&began, "the checkpoint"))?;
         self.files = world.agree(scene.files())?;
         Ok((scene, checkpoint))
+    }
+
+    /// Whether the run is at the end that a scene of it has: it was finished, and goes no further. On the first rank.
+    pub fn ended_local(&self, scene: &Scene) -> bool {
+        self.path.join(SUMMARY).exists() && read_scene(&self.path, &[]).is_ok_and(|kept| kept.time == scene.time)
     }
 
     /// Makes the folder ready, once: what others have left is gone, unless the run goes on there.
@@ -228,10 +231,7 @@ impl<'a> RunFolder<'a> {
 
 /// The scene of a folder's run, with what a resumed run may change.
 fn read_scene(folder: &Path, overrides: &[String]) -> Result<Scene> {
-    let path = folder.join(SCENE);
-    if !path.exists() {
-        return Err(Refusal::from(format!("{}: holds no {SCENE}", folder.display())).offering(Offer::FolderOfRun));
-    }
+    let path = scene_file(folder, || Offer::RepeatSweep)?;
     Scene::resumable_overrides(overrides)?;
     let scene = Scene::read(&path, overrides)?;
     if scene.time.is_none() {

@@ -1,7 +1,7 @@
 //! Words of other programs for what a scene says otherwise, or does not say: the answer to a key that is unknown.
 
 /// Words, and the answer to them, with keys of a scene between backticks.
-const ANSWERS: [(&[&str], &str); 19] = [
+const ANSWERS: [(&[&str], &str); 26] = [
     (&["dt", "timestep", "time_step", "deltat"], "the length of a step is `time.step`, automatic without it"),
     (&["t_end", "tend", "end_time", "tmax", "duration"], "the end of a run is `time.end`"),
     (&["viscosity", "eta", "nu", "dynamic_viscosity"], "the viscosity of the fluid is `flow.viscosity`"),
@@ -25,7 +25,31 @@ const ANSWERS: [(&[&str], &str); 19] = [
     ),
     (&["bidisperse", "polydispersity", "size_ratio"], "bodies of several sizes are `bodies.sizes`"),
     (&["temperature", "kt", "brownian", "peclet"], "there is no Brownian motion"),
-    (&["ellipsoid", "aspect_ratio", "superquadric"], "bodies are disks and spheres; elongated ones are `clusters` of them"),
+    (
+        &[
+            "ellipsoid",
+            "ellipsoids",
+            "ellipse",
+            "ellipses",
+            "aspect_ratio",
+            "superquadric",
+            "superquadrics",
+            "rod",
+            "rods",
+            "polygon",
+            "polygons",
+            "clump",
+            "clumps",
+        ],
+        "bodies are disks and spheres; rigid bodies of other shapes are `clusters` of them",
+    ),
+    (&["fiber", "fibers", "fibre", "fibres", "filament", "filaments", "polymer", "polymers"], "flexible fibres are `chains` of beads"),
+    (&["vesicle", "vesicles", "capsule", "capsules", "red_cells", "rbc"], "bodies with a membrane are `cells`"),
+    (&["diameter", "diameters", "d"], "the size of a body is its radius, `bodies.radius`, half the diameter"),
+    (&["radii"], "the radius of a group is `bodies.radius`; bodies of several sizes are `bodies.sizes`"),
+    (&["mass", "masses"], "the mass of a body follows from its density, `bodies.density`"),
+    (&["position", "positions", "coordinates", "x0"], "the places of bodies are `bodies.centers`, or a table, `bodies.file`"),
+    (&["omega", "angular_velocity"], "the turning rate at the start is `bodies.spin`"),
     (
         &["reynolds", "re"],
         "the Reynolds number follows from `flow.density`, `flow.viscosity`, sizes and velocities, and is a column of series.csv",

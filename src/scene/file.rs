@@ -1,11 +1,11 @@
 //! From the text of a scene file to a checked scene.
 
-use std::path::Path;
+use std::{io::ErrorKind, path::Path};
 
 use toml_edit::{Document, Item, TomlError, Value};
 
 use crate::body::read_text;
-use crate::error::{Error, Refusal, Result};
+use crate::error::{Error, Offer, Refusal, Result};
 use crate::scene::key::Key;
 use crate::scene::locations::{Lines, Locations};
 use crate::scene::table::Table;
@@ -77,7 +77,10 @@ const TOO_LONG: &str = "a scene file may hold 2 MB; place many bodies by fractio
 impl Scene {
     /// The scene of a file with `key=value` overrides; refused with file and line if anything is not right.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Scene> {
-        let unreadable = |source| Error::File { path: path.to_owned(), source };
+        let unreadable = |source: std::io::Error| match source.kind() {
+            ErrorKind::NotFound => Refusal::from(format!("{}: no such file", path.display())).offering(Offer::NewScene),
+            _ => Error::File { path: path.to_owned(), source },
+        };
         let length = std::fs::metadata(path).map_err(unreadable)?.len();
         if length > LONGEST_FILE {
             let size = length as f64 / 1e6;
@@ -468,7 +471,7 @@ scheme = "midpoint"
     #[test]
     fn an_unreadable_file_is_named() {
         let error = Scene::read(Path::new("/nowhere/scene.toml"), &[]).unwrap_err();
-        assert!(error.to_string().starts_with("/nowhere/scene.toml: "));
+        assert_eq!(error.to_string(), "/nowhere/scene.toml: no such file; write a scene, or copy an example");
         let pipe = std::env::temp_dir().join(format!("turbid-scene-{}.toml", std::process::id()));
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         for path in [Path::new("/dev/null"), Path::new("/dev/zero"), &pipe] {

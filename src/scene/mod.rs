@@ -18,6 +18,7 @@ mod key;
 mod keys;
 mod load;
 mod locations;
+mod nearest;
 mod overrides;
 mod plane;
 mod protocol;
@@ -37,6 +38,7 @@ pub use groups::region::Region;
 pub use groups::sizes::SizeDistribution;
 pub use key::Key;
 pub use locations::Locations;
+pub use nearest::nearest;
 pub use reference::{KeySection, SECTIONS};
 pub use sections::{
     AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, ForceTexts,

@@ -7,6 +7,7 @@ use crate::scene::elsewhere;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
 use crate::scene::locations::{Locations, join, written};
+use crate::scene::nearest::nearest;
 
 /// A table of entries; one that the file leaves out is empty.
 pub(super) struct Table<'a> {
@@ -72,29 +73,11 @@ impl<'a> Table<'a> {
 
     fn unknown(&self, name: &str, known: &[&str]) -> Error {
         let key = join(&self.key, name);
-        let near = known.iter().map(|known| (distance(name, known), known)).min();
-        let guess = match near {
-            Some((changes, known)) if 3 * changes <= name.chars().count() => {
-                format!("; did you mean {known}?")
-            }
-            _ => elsewhere::answer(name).map_or(";".to_owned(), |answer| format!("; {answer};")),
+        let guess = match nearest(name, known.iter().copied()) {
+            Some(known) => format!("; did you mean {known}?"),
+            None => elsewhere::answer(name).map_or(";".to_owned(), |answer| format!("; {answer};")),
         };
         let message = format!("unknown key {}{guess} known keys: {}", written(&key), known.join(", "));
         self.locations.complain(&key, message)
     }
-}
-
-/// Smallest number of letters to insert, delete or exchange that turns one word into the other (Levenshtein).
-fn distance(from: &str, to: &str) -> usize {
-    let mut row: Vec<usize> = (0..=to.chars().count()).collect();
-    for (line, letter) in from.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = line + 1;
-        for (column, other) in to.chars().enumerate() {
-            let exchanged = diagonal + usize::from(letter != other);
-            diagonal = row[column + 1];
-            row[column + 1] = exchanged.min(diagonal + 1).min(row[column] + 1);
-        }
-    }
-    row[to.chars().count()]
 }

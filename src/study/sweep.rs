@@ -31,7 +31,7 @@ use crate::{
         store::StudyIdentity,
         summary::RunSummary,
     },
-    output::say,
+    output::{SWEEP, SWEEP_RUNS, say},
     scene::{BodyGroup, Scene},
 };
 
@@ -84,7 +84,7 @@ impl Study<PetscOptions> for ParameterSweep {
         let names: Vec<String> = quantities.iter().map(SweepQuantity::name).collect();
         let identity = StudyIdentity::of_scene(&scene, "quantities", &names, &start)?;
         let folder = self.out.clone().unwrap_or_else(|| format!("out/{}-sweep", scene.name).into());
-        let mut experiment = Experiment::open(&start, folder, "sweep.json", identity, self.fresh)?;
+        let mut experiment = Experiment::open(&start, folder, SWEEP, identity, self.fresh)?;
         let words: Vec<String> =
             quantities.iter().map(|quantity| format!("quantity: {}\n", quantity.words(scene.time.is_some()))).collect();
         say(&format!("{}\n{}", scene.shown_title(), words.concat()))?;
@@ -94,7 +94,7 @@ impl Study<PetscOptions> for ParameterSweep {
         })?;
         let report = SweepReport::new(scene.shown_title(), names, &keys, &settings, &experiment.store);
         let written = experiment.write(Some(&report), &report.files())?;
-        let kept = if self.keep == Keep::Nothing { String::new() } else { format!("; runs in {}", keep::FOLDER) };
+        let kept = if self.keep == Keep::Nothing { String::new() } else { format!("; runs in {}", SWEEP_RUNS) };
         say(&format!("{}\n\n{written}{kept}", report.markdown()))?;
         match report.points.iter().any(|point| point.runs > 0) {
             true => Ok(()),

@@ -29,6 +29,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(no_drive_no_mean_values_and_a_drive_of_zero_is_alike),
         Test::of(no_fluid_not_one_object_and_no_pressure),
         Test::of(inertia_is_planned_where_a_scene_has_it_and_only_there),
+        Test::of(frames_that_wait_for_steps_are_planned_so),
     ]
 }
 
@@ -260,4 +261,12 @@ fn inertia_is_planned_where_a_scene_has_it_and_only_there(session: &Session) {
     let said = plan(session, &scene(SHEARED, &heavy));
     assert!(said.contains("built      inertia: fluid of density 2") && said.contains("built      navier-stokes flow:"), "{said}");
     assert!(!said.contains("not built  inertia"), "{said}");
+}
+
+fn frames_that_wait_for_steps_are_planned_so(session: &Session) {
+    let frames = ["time.end=1.0", "output.every=0.3"];
+    let said = plan(session, &scene(SHEARED, &frames));
+    assert!(said.contains("built      frames: bodies every 0.3, with the first step at or after each multiple of that\n"), "{said}");
+    let said = plan(session, &scene(SHEARED, &[&frames[..], &["time.step=0.1"]].concat()));
+    assert!(said.contains("built      frames: bodies every 0.3\n"), "{said}");
 }

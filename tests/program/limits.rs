@@ -157,12 +157,13 @@ fn commands_with_numbers_beyond_reason_are_refused_soon() {
     let scene = write(&folder("door-commands"), &(EMPTY.to_owned() + &bodies("count = 2")));
     let path = scene.to_str().unwrap();
     let long = write(&folder("door-cells"), &EMPTY.replace("cells_per_radius = 6", "spacing = 0.0008"));
-    let cases: [(&[&str], &str); 5] = [
+    let cases: [(&[&str], &str); 6] = [
         (&["scaling", path, "--ranks", "1000000000"], "--ranks 1000000000: must be at most"),
         (&["scaling", path, "--set", "bodies.0.count=9223372036854775807"], "bodies[0].count = 9223372036854775807: "),
         (&["validation", "--bars", "0"], "--bars 0: "),
         (&["run", long.to_str().unwrap()], "--force"),
-        (&["rum", path], "commands: run, resume, "),
+        (&["rum", path], "turbid: rum: no such command; did you mean run? commands: run, resume, "),
+        (&["help", "rum"], "rum"),
     ];
     for (arguments, message) in cases {
         let start = Instant::now();
@@ -215,7 +216,10 @@ fn a_wrong_command_line_is_told_by_every_start_of_several_ranks() {
     for round in 0..10 {
         let output = turbid(2, &["rum", "scene.toml"]);
         let said = said(&output);
-        assert!(said.matches("'rum' found").count() == 1 && said.contains("commands: run, "), "round {round}: {said}");
+        assert!(
+            said.matches("rum: no such command; did you mean run?").count() == 1 && said.contains("commands: run, "),
+            "round {round}: {said}"
+        );
         assert_eq!(output.status.code(), Some(2), "round {round}");
     }
 }

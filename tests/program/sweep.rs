@@ -159,6 +159,19 @@ fn runs_on_one_rank_are_started_as_they_are_and_kept_as_asked() {
     assert!(count > 3);
     assert_eq!(kept("nothing", &[]).1, 0);
     assert!(here.join("series/sweep-series.kinetic_energy.svg").exists() && !here.join("nothing/runs").exists());
+
+    let refused = |command: &str, folder: &str, message: &str| {
+        let output = turbid(1, &[command, here.join(folder).to_str().unwrap()]);
+        assert!(said(&output).contains(message) && output.status.code() == Some(2), "{command} {folder}: {}", said(&output));
+    };
+    let first = "runs/bodies.0.density=1,seed=1";
+    let named = format!("holds a sweep, not a run; name one of its runs: {}", here.join("all").join(first).display());
+    for command in ["view", "animate"] {
+        refused(command, "all", &named);
+        refused(command, "series", "holds a sweep, not a run; `turbid sweep` keeps frames of its runs with --keep all");
+        refused(command, &format!("series/{first}"), "holds no frames; `turbid sweep` keeps frames of its runs with --keep all");
+    }
+    refused("resume", "all", "holds a sweep, not a run; repeat its `turbid sweep` command, which goes on");
 }
 
 #[test]
@@ -166,9 +179,11 @@ fn a_sweep_that_cannot_be_made_is_refused() {
     let here = folder("sweep-refused");
     let (scene, out) = (write(&here, DISKS), here.join("out"));
     let given = root().join("examples/cubic.toml");
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&["--vary", "flow.viscosity=1", "--quantity", "viscosity,viscosity"], "--quantity viscosity: stands there twice"),
         (&["--vary", "bodies.0.fraction"], "must be key=value,value"),
+        (&["--vary", "bodies.0.fraction=0.1:0.3:3"], "0.1:0.3:3 is no list of values; there are no ranges: separate all values by commas"),
+        (&["--vary", "bodies.0.fraction=0.1..0.3"], "0.1..0.3 is no list of values"),
         (&["--vary", "bodies.0.fractions=0.1"], "fractions"),
         (&["--vary", "bodies.0.fraction=0.1,2"], "fraction"),
         (&["--vary", "seed=1,2", "--seeds", "2"], "the seed is one of the keys that are varied"),

@@ -15,7 +15,7 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::frames::FrameFile;
+use super::{frames::FrameFile, run_scene::scene_and_frames};
 use crate::{
     error::{Error, Result},
     observe::Plane,
@@ -43,12 +43,7 @@ impl RunView {
     /// # Errors
     /// [`Error::Refused`], here and below, when there are none or one cannot be read; [`Error::File`] when the folder cannot.
     pub fn open(folder: &Path) -> Result<RunView> {
-        let scene = Scene::read(&folder.join("scene.toml"), &[])?;
-        let files = FrameFile::of_run(folder)?;
-        if files.is_empty() {
-            let folder = folder.display();
-            return Err(Error::refused(format!("{folder}: holds no frames; only runs with a [time] section write them")));
-        }
+        let (scene, files) = scene_and_frames(folder)?;
         Ok(RunView { folder: folder.to_owned(), scene, files })
     }
 

@@ -10,6 +10,7 @@ use nalgebra::SVector;
 
 use super::context::{Context, Wanted, boxed};
 use super::fields::FlowFields;
+use super::log::add_to_log_local;
 use crate::{
     contact::{Contact, Identity, bodies_of, renamed},
     error::{Error, Result},
@@ -70,7 +71,7 @@ impl<const D: usize> FrameFiles<D> {
         Ok(FrameFiles { folder, frames, every: scene.frame_interval(), eager, fields, contact: scene.contact.model })
     }
 
-    /// Says once that frames come later than the scene asks for: with the first step that reaches a multiple of its time between frames.
+    /// Says once in the log that frames come later than the scene asks for: with the first step that reaches a multiple of its time between frames.
     fn tell_of_steps(&mut self, state: &State<D>, whole_cells: bool) {
         let (every, time) = (self.every, state.time);
         let late = time - (time / every + ROUNDING).floor() * every;
@@ -81,11 +82,12 @@ impl<const D: usize> FrameFiles<D> {
         let why =
             if whole_cells { "; steps of this sheared box are whole numbers of the time in which its images slide by a cell" } else { "" };
         let often = if state.last_step > every * (1.0 + ROUNDING) { " and no more often than steps" } else { "" };
-        note(&format!(
-            "turbid: output.every = {every}: frames come with the first step at or after each multiple of it{often}, this one at time {time} instead of \
-             {}{why}; a time.step that divides output.every keeps it exactly, shorter steps more nearly",
+        let text = format!(
+            "output.every = {every}: frames come with the first step at or after each multiple of it{often}, this one at time {time} instead of {}{why}; a \
+             time.step that divides output.every keeps it exactly, shorter steps more nearly",
             time - late
-        ));
+        );
+        add_to_log_local(&self.folder, &text);
     }
 }
 

@@ -33,6 +33,16 @@ pub struct RunLog {
     shown: f64,
 }
 
+/// Adds a line with the date to the log of a run in a folder; on one rank.
+pub fn add_to_log_local(folder: &Path, text: &str) {
+    // the run goes on without a line that cannot be written
+    let _ = OpenOptions::new().append(true).open(folder.join(LOG)).and_then(|mut file| write_line(&mut file, text));
+}
+
+fn write_line(file: &mut File, text: &str) -> std::io::Result<()> {
+    writeln!(file, "{}  {text}", date(SystemTime::now()))
+}
+
 impl RunLog {
     /// Opens it, and says that a run begins, or goes on from a time, towards its end. Collective.
     ///
@@ -60,7 +70,7 @@ impl RunLog {
     /// Adds a line with the date; a log that cannot be written is given up.
     fn line(&mut self, text: &str) {
         let Some(file) = &mut self.file else { return };
-        if let Err(error) = writeln!(file, "{}  {text}", date(SystemTime::now())) {
+        if let Err(error) = write_line(file, text) {
             note(&format!("turbid: {LOG} cannot be written any more ({error}); the run goes on without it"));
             self.file = None;
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use toml_edit::Value;
 
 use crate::body::{TOO_FEW, misplaced};
-use crate::error::Result;
+use crate::error::{Error, Refusal, Result};
 use crate::friction::FrictionLaw;
 use crate::scene::FlowModel;
 use crate::scene::entry::Entry;
@@ -141,7 +141,7 @@ pub(in crate::scene) fn read_clusters(root: &Table, folder: &Path, dimension: us
     let groups = root.get("clusters").map_or(Ok(Vec::new()), |entry| entry.list())?;
     let read = |entry: &Entry| {
         let table = Table::of(entry, &CLUSTER_KEYS)?;
-        let group = BodyGroup::several(&table, folder, dimension, read_radius(&table)?)?;
+        let group = BodyGroup::several(&table, folder, dimension, read_radius(&table, "0.5")?)?;
         let cluster = clusters::read(&table, dimension, group.radius)?;
         Ok(BodyGroup { cluster: Some(cluster), ..group })
     };
@@ -258,8 +258,8 @@ impl BodyGroup {
         refuse_load(&table, &motion)?;
         refuse_start(&table, &motion, model)?;
         let placement = Placement::read(&table, folder, dimension)?;
-        let shape = table.get("shape").map(|entry| entry.choice(&[("ball", Shape::Ball)], &[])).transpose()?;
-        let default = BodyGroup::new(table.require("radius", "1.0")?.positive()?, placement);
+        let shape = table.get("shape").map(|entry| read_shape(&entry)).transpose()?;
+        let default = BodyGroup::new(read_radius(&table, "1.0")?, placement);
         Ok(BodyGroup {
             shape: shape.unwrap_or(default.shape),
             sizes: read_sizes(&table, &default)?,
@@ -279,7 +279,7 @@ impl BodyGroup {
     fn read_chains(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
         let table = Table::of(entry, &CHAIN_KEYS)?;
         let chain = chains::read(&table, dimension)?;
-        let group = BodyGroup::tied(&table, folder, dimension, (chain, read_radius(&table)?))?;
+        let group = BodyGroup::tied(&table, folder, dimension, (chain, read_radius(&table, "0.5")?))?;
         if let (Placement::Centers(centers), Some(given)) = (&group.placement, table.get("centers")) {
             let remedy = format!("must hold all centres of each chain, {} a chain", chain.beads);
             given.expect((), centers.len() % chain.beads == 0, &remedy)?;
@@ -333,8 +333,25 @@ fn refuse_start(table: &Table, motion: &Motion, model: FlowModel) -> Result<()> 
     start.expect((), matches!(model, FlowModel::None | FlowModel::NavierStokes), remedy)
 }
 
-fn read_radius(table: &Table) -> Result<f64> {
-    table.require("radius", "0.5")?.positive()
+/// What is to be said of a missing radius where a table has the centres.
+const BESIDE_FILE: &str =
+    "; the table may have a column radius, whose numbers then take its place line by line, but the key is needed all the same";
+
+fn read_radius(table: &Table, example: &str) -> Result<f64> {
+    let beside_file = |missing: Error| match (missing, table.get("file")) {
+        (Error::Refused(refusal), Some(_)) => Refusal { remedy: refusal.remedy.clone() + BESIDE_FILE, ..*refusal }.into(),
+        (missing, _) => missing,
+    };
+    table.require("radius", example).map_err(beside_file)?.positive()
+}
+
+fn read_shape(entry: &Entry) -> Result<Shape> {
+    let ball = entry.text()? == "ball";
+    entry.expect(
+        Shape::Ball,
+        ball,
+        "must be \"ball\", a disk or a sphere; bodies of other shapes are rigid clusters of these, [[clusters]]",
+    )
 }
 
 fn read_sizes(table: &Table, default: &BodyGroup) -> Result<Option<SizeDistribution>> {

@@ -4,11 +4,8 @@ use std::{fs, io::ErrorKind, path::Path};
 
 use crate::{
     error::{Error, Result},
-    output::prepare_folder,
+    output::{SWEEP_RUNS, prepare_folder},
 };
-
-/// The folder within that of a sweep that holds its runs.
-pub const FOLDER: &str = "runs";
 
 /// What is kept where not all is: it can be opened as a run without frames.
 const RESULTS: [&str; 3] = ["summary.json", "series.csv", "scene.toml"];
@@ -30,12 +27,12 @@ impl Keep {
     /// # Errors
     /// A file cannot be moved.
     pub fn keep(self, run: &Path, sweep: &Path, name: &str) -> Result<Option<String>> {
-        let (path, to) = (format!("{FOLDER}/{name}"), sweep.join(FOLDER).join(name));
+        let (path, to) = (format!("{SWEEP_RUNS}/{name}"), sweep.join(SWEEP_RUNS).join(name));
         remove(&to)?;
         match self {
             Keep::Nothing => return Ok(None),
             Keep::All => {
-                prepare_folder(&sweep.join(FOLDER))?;
+                prepare_folder(&sweep.join(SWEEP_RUNS))?;
                 rename(run, &to)?;
             }
             Keep::Series => {

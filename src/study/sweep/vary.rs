@@ -27,6 +27,11 @@ impl Vary {
         if key.trim().is_empty() || values.iter().any(String::is_empty) {
             return Err(malformed());
         }
+        if let Some(range) = values.iter().find(|value| is_range(value)) {
+            return Err(refuse(&format!(
+                "{range} is no list of values; there are no ranges: separate all values by commas, as {key}=0.1,0.2,0.3"
+            )));
+        }
         match (1..values.len()).find(|&place| values[..place].contains(&values[place])) {
             Some(place) => Err(refuse(&format!("holds {} twice; name each value once", values[place]))),
             None => Ok(Vary { key: key.trim().to_owned(), values }),
@@ -52,6 +57,12 @@ pub fn points(all: &[Vary]) -> Vec<Vec<Assignment>> {
         let with = |point: &Vec<Assignment>, value: &String| [&point[..], &[(vary.key.clone(), value.clone())]].concat();
         points.iter().flat_map(|point| vary.values.iter().map(move |value| with(point, value))).collect()
     })
+}
+
+/// Whether a value is several numbers as other programs write a range: `0.1:0.3:3`, `0.1..0.3`.
+fn is_range(value: &str) -> bool {
+    let numbers = |sign: &str| value.contains(sign) && value.split(sign).all(|part| part.trim().parse::<f64>().is_ok());
+    numbers(":") || numbers("..")
 }
 
 fn split(text: &str) -> Vec<String> {
@@ -87,6 +98,13 @@ mod tests {
         for text in ["a", "=1", "a=", "a=1,,2"] {
             assert!(Vary::parse(text).unwrap_err().to_string().contains("must be key=value,value"), "{text}");
         }
+        for text in ["a=0.1:0.3:3", "a=1,2 : 3", "a=0.1..0.3"] {
+            assert!(
+                Vary::parse(text).unwrap_err().to_string().contains("there are no ranges: separate all values by commas, as a=0.1"),
+                "{text}"
+            );
+        }
+        assert_eq!(values("output.title=\"1:2\""), ["\"1:2\""]);
         assert!(Vary::parse("a=1,1").unwrap_err().to_string().contains("holds 1 twice"));
         assert!(Vary::parse_all(&["a=1".into(), "a=2".into()]).unwrap_err().to_string().contains("varied twice"));
     }

@@ -60,11 +60,11 @@ fn a_folder_with_a_run_that_has_not_ended_is_refused_with_the_way_to_go_on() {
 #[test]
 fn a_resume_without_scene_or_checkpoint_is_refused() {
     let (here, _, out) = finished("missing");
-    refused(&here, &["resume", here.join("nowhere").to_str().unwrap()], &["nowhere", "holds no scene.toml"]);
+    refused(&here, &["resume", here.join("nowhere").to_str().unwrap()], &["nowhere: no such folder", "name the output folder"]);
     fs::remove_file(here.join("out/checkpoint.h5")).unwrap();
     refused(&here, &["resume", &out], &["checkpoint.h5", "start anew with turbid run"]);
     fs::remove_file(here.join("out/scene.toml")).unwrap();
-    refused(&here, &["resume", &out], &["holds no scene.toml", "turbid resume takes the output folder of a run"]);
+    refused(&here, &["resume", &out], &["holds no scene.toml", "name the output folder of a run"]);
 }
 
 #[test]
@@ -105,6 +105,20 @@ fn a_resume_from_a_damaged_checkpoint_is_refused() {
 fn an_end_before_the_checkpoint_is_refused() {
     let (here, _, out) = finished("past");
     refused(&here, &["resume", &out, "--set", "time.end=0.5"], &["time.end = 0.5", "the checkpoint is at time", "set a later end"]);
+}
+
+#[test]
+fn a_resume_of_a_run_at_its_end_says_so_and_how_it_goes_further() {
+    let (_, _, out) = finished("ended");
+    for ranks in [1, 3] {
+        let output = turbid(ranks, &["resume", &out]);
+        let (code, said) = (output.status.code(), said(&output));
+        let line =
+            format!("turbid: {out}: the run is at its end (time.end = 1.6); `turbid resume {out} --set time.end=..` takes it further");
+        assert!(code == Some(0) && said.matches(&line).count() == 1, "{code:?} on {ranks} ranks: {said}");
+    }
+    let further = turbid(1, &["resume", &out, "--set", "time.end=2"]);
+    assert!(further.status.success() && !said(&further).contains("at its end"), "{}", said(&further));
 }
 
 #[test]

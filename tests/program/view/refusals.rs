@@ -15,7 +15,8 @@ fn refused(arguments: &[&str], words: &[&str]) {
 fn a_folder_without_frames_is_refused() {
     let here = folder("view-refused");
     let path = here.to_str().unwrap();
-    refused(&["view", path], &[path]);
+    refused(&["view", here.join("nowhere").to_str().unwrap()], &["nowhere: no such folder; name the output folder of a run"]);
+    refused(&["view", path], &[path, "holds no scene.toml; name the output folder of a run"]);
     write(&here, DRY);
     refused(&["view", path], &[path]);
     fs::create_dir(here.join("frames")).unwrap();
