@@ -43,7 +43,7 @@ mod tests {
 
     fn text(second: f64, wall: &str, error: Error) -> String {
         let scene = format!(
-            "domain.size = [8.0, 8.0]\n{wall}resolution.spacing = 0.25\n[[bodies]]\nradius = 0.5\ncenters = [[2.0, 2.0], [{second}, 2.0]]\n"
+            "domain.size = [8.0, 8.0]\n{wall}resolution.spacing = 0.125\n[[bodies]]\nradius = 0.5\ncenters = [[2.0, 2.0], [{second}, 2.0]]\n"
         );
         let setup = Setup::<2>::of(&Scene::parse("scene", Path::new("."), &scene, &[]).unwrap()).unwrap();
         with_smallest_gap(error, &setup, &Configuration::at_rest(&setup, &setup.centers(), &[])).to_string()
