@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::error::{Error, Result};
 use crate::output::say;
-use crate::scene::{Key, KeySection, SECTIONS, nearest};
+use crate::scene::{Key, KeySection, SECTIONS, all_nearest};
 
 /// What the reference of scenes begins with.
 const HEAD: &str = "# Scene reference
@@ -75,10 +75,9 @@ fn unknown(word: &str) -> Error {
     let all = || SECTIONS.iter().flat_map(|section| section.keys.iter().map(move |key| (section, key)));
     let sections: Vec<&str> = SECTIONS.iter().map(|section| section.name).collect();
     let last = word.rsplit('.').next().unwrap_or(word);
-    let guess = nearest(last, all().map(|(_, key)| key.name)).map_or(";".to_owned(), |near| {
-        let paths: Vec<String> = all().filter(|(_, key)| key.name == near).map(|(section, key)| path(section, key)).collect();
-        format!("; did you mean {}?", paths.join(" or "))
-    });
+    let near = all_nearest(last, all().map(|(_, key)| key.name));
+    let paths: Vec<String> = all().filter(|(_, key)| near.contains(key.name)).map(|(section, key)| path(section, key)).collect();
+    let guess = if paths.is_empty() { ";".to_owned() } else { format!("; did you mean {}?", paths.join(", ")) };
     Error::refused(format!("{word}: no section of a scene and no key of one{guess} sections: {}", sections.join(", ")))
 }
 
@@ -153,7 +152,10 @@ mod tests {
         assert!(found.contains("\n  flow.viscosity = ") && found.contains("\n  time.until.viscosity_interval = "), "{found}");
         assert!(shown("Hypre").unwrap().contains("\n  method.inverse = "));
         let refusal = shown("frction").unwrap_err().to_string();
-        assert!(refusal.contains("; did you mean bodies.friction or contact.friction? sections: top, domain, "), "{refusal}");
+        assert!(
+            refusal.contains("; did you mean bodies.fraction, bodies.friction, contact.friction? sections: top, domain, "),
+            "{refusal}"
+        );
     }
 
     #[test]

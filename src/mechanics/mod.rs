@@ -5,6 +5,7 @@ pub(crate) mod fitted;
 mod flow_solver;
 mod history;
 mod mesh_level;
+mod near_bodies;
 mod resistance;
 mod scalar;
 mod shear_stress;

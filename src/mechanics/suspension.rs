@@ -6,6 +6,7 @@ use super::{
     evolution::Evolution,
     flow_solver::FlowSolver,
     history::{History, HistoryShape, HistoryView},
+    near_bodies::with_smallest_gap,
     resistance::Resistance,
 };
 use crate::{
@@ -167,7 +168,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.recent.last(), configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();
         (self.cost.assembly, self.cost.assembled) = (start.elapsed().as_secs_f64(), ready.assembly.assembled);
-        let (report, mut found) = ready.solve(fixed, self.inverse.as_mut(), monitor)?;
+        let solved = ready.solve(fixed, self.inverse.as_mut(), monitor);
+        let (report, mut found) = solved.map_err(|error| with_smallest_gap(error, &fixed.setup, configuration))?;
         let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut workspace.work.stages);

@@ -76,7 +76,8 @@ fn runs_with_frames(folder: &Path) -> Vec<PathBuf> {
 mod tests {
     use super::*;
 
-    const TEXT: &str = "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\ntime.end = 1.0\n";
+    const TEXT: &str =
+        "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\ntime.end = 1.0\n[[bodies]]\nradius = 1.0\ncenters = [[2.0, 2.0]]\n";
 
     fn offered(folder: &Path) -> (String, Option<Offer>) {
         match scene_and_frames(folder).map(drop).unwrap_err() {

@@ -38,7 +38,7 @@ pub use groups::region::Region;
 pub use groups::sizes::SizeDistribution;
 pub use key::Key;
 pub use locations::Locations;
-pub use nearest::nearest;
+pub use nearest::{all_nearest, nearest};
 pub use reference::{KeySection, SECTIONS};
 pub use sections::{
     AxisSection, Colour, ConstraintMethod, ContactModel, ContactSection, DomainSection, Drive, FlowModel, FlowSection, ForceTexts,

@@ -1,9 +1,17 @@
 //! Which known word a misspelt one may stand for.
 
-/// The known word that is nearest to another one, if no more than a third of its letters differ.
+use std::collections::BTreeSet;
+
+/// The known word that is nearest to another one, if no more than a third of its letters differ; the first one in the alphabet of several.
 pub fn nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
-    let (changes, found) = known.into_iter().map(|known| (distance(word, known), known)).min()?;
-    (3 * changes <= word.chars().count()).then_some(found)
+    all_nearest(word, known).into_iter().next()
+}
+
+/// All known words that are nearest to another one, in the order of the alphabet; none if more than a third of its letters differ.
+pub fn all_nearest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> BTreeSet<&'k str> {
+    let all: Vec<(usize, &str)> = known.into_iter().map(|known| (distance(word, known), known)).collect();
+    let least = all.iter().map(|(changes, _)| *changes).min().filter(|changes| 3 * changes <= word.chars().count());
+    all.into_iter().filter(|(changes, _)| Some(*changes) == least).map(|(_, known)| known).collect()
 }
 
 /// Smallest number of letters to insert, delete or exchange that turns one word into the other (Levenshtein).
@@ -34,5 +42,7 @@ mod tests {
             assert_eq!(nearest(word, known), expected, "{word}");
         }
         assert_eq!(nearest("run", []), None);
+        let several = all_nearest("frction", ["friction", "motion", "fraction", "friction"]);
+        assert_eq!(several.into_iter().collect::<Vec<_>>(), ["fraction", "friction"]);
     }
 }

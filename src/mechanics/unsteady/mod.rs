@@ -37,6 +37,7 @@ use super::{
     evolution::{Evolution, EvolutionOnGrid},
     flow_solver::FlowSolver,
     history::{History, HistoryShape, HistoryView},
+    near_bodies::with_smallest_gap,
     resistance::Resistance,
 };
 use crate::{
@@ -423,7 +424,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         self.cost.assembly += start.elapsed().as_secs_f64();
         self.cost.assembled = ready.assembly.assembled;
         let inverse = self.inverse.as_deref_mut().expect("a step has begun");
-        let (report, mut found) = ready.solve(fixed, inverse, monitor)?;
+        let solved = ready.solve(fixed, inverse, monitor);
+        let (report, mut found) = solved.map_err(|error| with_smallest_gap(error, &fixed.setup, configuration))?;
         let AssembledSystem { bodies, assembly, mut workspace, guess, pair_constraints, .. } = ready;
         self.cost.krylov = report;
         self.cost.stages = std::mem::take(&mut workspace.work.stages);

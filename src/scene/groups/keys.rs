@@ -13,8 +13,8 @@ const FILE: Key = Key::new(
     "file",
     "text",
     "\"centers.csv\"",
-    "Table with the columns x, y, (3D: z) and, if wanted, radius, a row a body, bead, cell or cluster; a radius is that of each of its balls; the \
-    path starts from the folder of the scene.",
+    "Table with the columns x, y, (3D: z) and, if wanted, radius, a row a body, bead, cell or cluster; a radius takes the place of that of the group, for \
+    each of its balls; the path starts from the folder of the scene.",
 )
 .default(PLACED);
 const RADIUS: Key = Key::new("radius", "number", "0.1", "Radius of each ball.").unit("length").default("required").range("above 0");
