@@ -65,17 +65,16 @@ pub fn resume(session: &Session, arguments: &ResumeArguments) -> Result<()> {
     profiled(session, arguments.profile, || {
         let mut folder = RunFolder::to_resume(session.world(), &arguments.folder)?;
         let (scene, checkpoint) = folder.read(&arguments.overrides)?;
-        session.world().on_first_rank(|| {
-            if folder.ended_local(&scene) {
-                note(&format!("turbid: {}", at_its_end(&arguments.folder, &scene)));
-            }
-            Ok(())
-        })?;
+        let ended = session.world().on_first_rank(|| Ok(folder.ended_local(&scene)))?;
         let finished = match scene.dimension() {
             2 => Run::<2>::resume(session, &scene, folder, &checkpoint, OPTIONS).and_then(Run::complete),
             _ => Run::<3>::resume(session, &scene, folder, &checkpoint, OPTIONS).and_then(Run::complete),
         };
-        tell(session, &scene, finished)
+        tell(session, &scene, finished)?;
+        if ended {
+            note(&format!("turbid: {}", at_its_end(&arguments.folder, &scene)));
+        }
+        Ok(())
     })
 }
 
