@@ -302,12 +302,13 @@ class Run:
         return Animation(path)
 
     def strain_at(self, time: npt.ArrayLike) -> Any:
-        """The strain at a time or at times; ``None`` where the flow is no simple shear."""
+        """The strain at a time or at times, with the sign of the rate; ``None`` where the flow is no simple shear."""
         shear = self.shear
         if shear is None:
             return None
         if shear.steady:
-            return shear.rate * np.asarray(time)[()]
+            sign = np.sign(shear.flow[np.flatnonzero(shear.flow)[0]])
+            return sign * shear.rate * np.asarray(time)[()]
         series = self.series
         return np.interp(np.asarray(time), series.index.to_numpy(float), series["strain"].to_numpy(float))[()]
 
