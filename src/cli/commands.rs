@@ -2,10 +2,7 @@
 
 use clap::Command;
 
-use crate::{
-    error::{Error, Refusal},
-    scene::nearest,
-};
+use crate::{error::Error, scene::nearest};
 
 /// The refusal of a word that is no command of a program, with the one that may be meant.
 pub fn unknown_command(program: &Command, word: &str) -> Error {
@@ -16,7 +13,7 @@ pub fn unknown_command(program: &Command, word: &str) -> Error {
         None if word.ends_with(".toml") => format!("; did you mean turbid run {word}?"),
         None => ";".into(),
     };
-    Refusal::from(format!("{word}: no such command{guess} commands: {}", names.join(", "))).into()
+    Error::refused(format!("{word}: no such command{guess} commands: {}", names.join(", ")))
 }
 
 #[cfg(test)]

@@ -53,12 +53,12 @@ fn text(arguments: &KeysArguments) -> Result<String> {
 /// The keys that have a word in their name, then those that have it in what is said of them.
 ///
 /// # Errors
-/// There are none.
+/// No key has it.
 fn with_word(word: &str) -> Result<String> {
-    let (sought, all) = (word.to_lowercase(), || SECTIONS.iter().flat_map(|section| section.keys.iter().map(move |key| (section, key))));
+    let sought = word.to_lowercase();
     let in_name = |key: &Key| key.name.contains(&sought);
     let in_words = |key: &Key| [key.meaning, key.kind].iter().any(|words| words.to_lowercase().contains(&sought));
-    let named = all().filter(|(_, key)| in_name(key)).chain(all().filter(|(_, key)| !in_name(key) && in_words(key)));
+    let named = all_keys().filter(|(_, key)| in_name(key)).chain(all_keys().filter(|(_, key)| !in_name(key) && in_words(key)));
     let lines: Vec<String> =
         named.map(|(section, key)| format!("  {} = {}\n      {}\n", path(section, key), key.example, key.meaning)).collect();
     match lines.is_empty() {
@@ -72,13 +72,17 @@ fn with_word(word: &str) -> Result<String> {
 
 /// The refusal of a word that no key has, with the keys that may be meant.
 fn unknown(word: &str) -> Error {
-    let all = || SECTIONS.iter().flat_map(|section| section.keys.iter().map(move |key| (section, key)));
     let sections: Vec<&str> = SECTIONS.iter().map(|section| section.name).collect();
     let last = word.rsplit('.').next().unwrap_or(word);
-    let near = all_nearest(last, all().map(|(_, key)| key.name));
-    let paths: Vec<String> = all().filter(|(_, key)| near.contains(key.name)).map(|(section, key)| path(section, key)).collect();
+    let near = all_nearest(last, all_keys().map(|(_, key)| key.name));
+    let paths: Vec<String> = all_keys().filter(|(_, key)| near.contains(key.name)).map(|(section, key)| path(section, key)).collect();
     let guess = if paths.is_empty() { ";".to_owned() } else { format!("; did you mean {}?", paths.join(", ")) };
     Error::refused(format!("{word}: no section of a scene and no key of one{guess} sections: {}", sections.join(", ")))
+}
+
+/// All keys, each with its section.
+fn all_keys() -> impl Iterator<Item = (&'static KeySection, &'static Key)> {
+    SECTIONS.iter().flat_map(|section| section.keys.iter().map(move |key| (section, key)))
 }
 
 /// The words after `turbid keys` that show a key.

@@ -44,14 +44,10 @@ impl<const D: usize> Shear<D> {
         self.flow.iter().find(|component| **component != 0.0).map_or(1.0, |component| component.signum())
     }
 
-    /// The strain at a time with the sign of the rate.
-    pub fn strain_along(&self, domain: &Domain<D>, time: f64) -> f64 {
-        if domain.protocol().is_some() { self.strain(domain, time) } else { self.sign() * self.strain(domain, time) }
-    }
-
-    /// The strain at a time: of a shear whose rate changes that along x, which may be negative.
+    /// The strain at a time, with the sign of the rate.
     pub fn strain(&self, domain: &Domain<D>, time: f64) -> f64 {
-        domain.strain(self.rate, time)
+        // no negative zero at the start
+        domain.strain(self.sign() * self.rate, time) + 0.0
     }
 
     /// Its rate along its axis, negative where it flows against that, or 0 where nothing is sheared.

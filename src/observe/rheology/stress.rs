@@ -28,7 +28,7 @@ use crate::{
     observe::{fields::cells::visit_inside, shear::Shear},
     scene::ConstraintMethod,
     setup::Setup,
-    system::{Lubrication, LubricationPressure, Solution},
+    system::{LubricationPressure, Solution},
 };
 
 /// Cells between the surface of a body and those whose pressure counts as that of its inside.
@@ -80,12 +80,13 @@ impl<const D: usize> Stress<D> {
         let touch = setup.interactions.touch().is_some() || !contacts.is_empty();
         // what there is and does nothing yet has no stress, which is a number
         let of_all = |there: bool, stress: Option<SMatrix<f64, D, D>>| stress.or(there.then(SMatrix::zeros)).map(|stress| stress / unit);
+        let pressure_of = |films: LubricationPressure| beyond_fluid(films.inside, films.everywhere, setup.fraction());
         let trace = SMatrix::identity() * (pressure.unwrap_or(0.0) / shear.rate);
         let carried_along = reynolds_stress(setup, grid, solution, shear)?;
         let parts = Parts::of(|part| match part {
             Part::Hydrodynamic => Some(shear.doubled_strain() + resolved / unit - trace),
             Part::Lubrication => {
-                solution.lubrication.map(|films| (films.stress - SMatrix::identity() * pressure_of_films(setup, &films)) / unit)
+                solution.lubrication.map(|films| (films.stress - SMatrix::identity() * pressure_of(films.pressure)) / unit)
             }
             Part::Interaction => of_all(setup.interactions.act_at_a_distance(), at_a_distance),
             Part::Bonds => of_all(setup.interactions.tie(), solution.bond_stress),
@@ -153,12 +154,11 @@ fn pressure_on_bodies<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution
     let inside = sums.chunks(2).zip(&setup.bodies).map(|(sum, suspended)| suspended.body.ball.volume() * sum[0] / sum[1]);
     let (borne, fraction) = (inside.sum::<f64>() / setup.domain.volume(), setup.fraction());
     let everywhere = mean_pressure(grid, solution)?;
-    Ok(Some((borne - fraction * everywhere) / (1.0 - fraction)))
+    Ok(Some(beyond_fluid(borne, everywhere, fraction)))
 }
 
-/// The particle pressure of films, times volume: as [`pressure_on_bodies`], from the pressure that they make inside bodies and everywhere.
-fn pressure_of_films<const D: usize>(setup: &Setup<D>, films: &Lubrication<D>) -> f64 {
-    let (LubricationPressure { inside, everywhere }, fraction) = (films.pressure, setup.fraction());
+/// `fraction (mean inside - mean over the fluid)` from what bodies, which fill a fraction of the box, bear inside and the mean over the whole box.
+fn beyond_fluid(inside: f64, everywhere: f64, fraction: f64) -> f64 {
     (inside - fraction * everywhere) / (1.0 - fraction)
 }
 

@@ -93,9 +93,7 @@ impl<'a, const D: usize> Displacements<'a, D> {
 
     /// The strain until a time, of the flow along its direction now.
     fn strain(&self, time: f64) -> f64 {
-        let Some(shear) = &self.shear else { return 0.0 };
-        let along = if self.domain.protocol().is_some() { shear.flow[0] } else { 1.0 };
-        along * shear.strain(self.domain, time)
+        self.shear.as_ref().map_or(0.0, |shear| shear.sign() * shear.strain(self.domain, time))
     }
 
     /// Mean squares over lags of one configuration, two, four and so on, up to a quarter of the run.

@@ -11,7 +11,7 @@ pub fn times<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new("time", "time", "time at which the row holds", |view| Some(view.motion?.state().time)).of_run(),
         Quantity::new("last_step", "time", "length of the step that led there", |view| Some(view.motion?.state().last_step)).of_run(),
         Quantity::new("strain", "", "in simple shear: the integral of the shear rate, with its sign", |view| {
-            Some(view.shear()?.strain_along(&view.flow?.solver.setup().domain, view.motion?.state().time))
+            Some(view.shear()?.strain(&view.flow?.solver.setup().domain, view.motion?.state().time))
         }),
     ]
 }
