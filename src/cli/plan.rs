@@ -82,23 +82,24 @@ fn time<const D: usize>(session: &Session, scene: &Scene, plan: &PlanReport, (ra
         return Ok("not predicted: no sample of the scene can be solved".into());
     };
     let (share, if_shared) = shared(session, plan, ranks);
-    let [seconds, setup, solve] = [forecast.seconds(), forecast.setup, forecast.solve].map(|seconds| brief(seconds * share));
+    let [seconds, setup, solve, further] =
+        [forecast.seconds(), forecast.setup, forecast.solve, forecast.of_further()].map(|seconds| brief(seconds * share));
     let iterations = forecast.iterations;
     Ok(match (forecast.solves, forecast.sampled) {
         (None, _) => {
             format!("about {seconds}{if_shared}, from a sample: {setup} of set-up, a solve of about {iterations} iterations")
         }
         (Some(solves), Some(sampled)) if !forecast.even() => format!(
-            "about {seconds}{if_shared}, from a sample and its first {sampled} steps: {solves:.0} solves, of {solve} for the first, which takes \
-             about {iterations} iterations"
+            "about {seconds}{if_shared}, from a sample and its first {sampled} steps: {solves:.0} solves, {solve} for the first, which takes \
+             about {iterations} iterations, and {further} for each further one"
         ),
         (Some(solves), Some(sampled)) => format!(
             "about {seconds}{if_shared}, from the first {sampled} steps of a sample: {solves:.0} steps at the speeds to which these come, of {solve} \
              each, which take about {iterations} iterations"
         ),
         (Some(solves), None) => format!(
-            "about {seconds}{if_shared}, from a sample: {solves:.0} solves at the speeds of the start, of {solve} for the first, which takes about \
-             {iterations} iterations"
+            "about {seconds}{if_shared}, from a sample: {solves:.0} solves at the speeds of the start, {solve} for the first, which takes about \
+             {iterations} iterations, and {further} for each further one"
         ),
     })
 }

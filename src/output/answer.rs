@@ -26,7 +26,7 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
     let viscosity = summary.viscosity.iter().flat_map(|viscosity| of_viscosity(viscosity, summary.steps > 0));
     let without = summary.no_viscosity.iter().map(|why| Answer::new("relative viscosity", format!("none: {why}")));
     let drag = summary.accuracy.as_ref().and_then(|accuracy| accuracy.drag);
-    let of_accuracy = drag.map(|drag| Answer::new("drag", format!("{:.6} ± {}", drag.root_mean_square, bar(drag.bar))));
+    let of_accuracy = drag.map(|drag| Answer::new("drag", with_bar(drag.root_mean_square, drag.bar)));
     oscillation
         .chain(of_shear_at_a_stress(summary))
         .chain(of_loaded_wall(summary))
@@ -44,9 +44,9 @@ pub fn answers(summary: &Summary) -> Vec<Answer> {
 
 fn of_oscillation(oscillation: &OscillationSummary) -> Vec<Answer> {
     let cycles = if oscillation.cycles == 1 { "one cycle".to_owned() } else { format!("{} cycles", oscillation.cycles) };
-    let modulus = |Modulus { value, interval }: &Modulus| {
-        let interval = interval.map_or(String::new(), |[low, high]| format!(" ± {} (95 %)", bar(0.5 * (high - low))));
-        format!("{}{interval} over {cycles}", number(*value, 5))
+    let modulus = |Modulus { value, interval }: &Modulus| match interval {
+        Some([low, high]) => format!("{} (95 %) over {cycles}", with_bar(*value, 0.5 * (high - low))),
+        None => format!("{} over {cycles}", number(*value, 5)),
     };
     let third = oscillation.harmonics.get(2).map_or(String::new(), |third| format!(", third harmonic {:.2} %", 100.0 * third));
     let complex = format!(
@@ -64,19 +64,22 @@ fn of_oscillation(oscillation: &OscillationSummary) -> Vec<Answer> {
 fn of_viscosity(viscosity: &ViscositySummary, in_time: bool) -> Vec<Answer> {
     let mut lines: Vec<Answer> = viscosity.mean.iter().flat_map(of_mean).collect();
     let too_short = viscosity.too_short.as_ref().filter(|_| viscosity.mean.is_none());
-    let interval = viscosity.interval.map_or(String::new(), |[low, high]| format!(" ± {}", bar(0.5 * (high - low))));
+    let relative = match viscosity.interval {
+        Some([low, high]) => with_bar(viscosity.relative, 0.5 * (high - low)),
+        None => format!("{:.DECIMALS$}", viscosity.relative),
+    };
     let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.DECIMALS$})"));
     let when = if in_time { " at the end" } else { "" };
-    lines.push(Answer::new("relative viscosity", format!("{:.DECIMALS$}{interval}{when}{walls}", viscosity.relative)));
-    lines.extend(split(viscosity.relative, &viscosity.parts.in_words()).map(|parts| Answer::new("made up of", parts)));
+    lines.push(Answer::new("relative viscosity", format!("{relative}{when}{walls}")));
+    lines.extend(split(viscosity.relative, &viscosity.parts.in_words(), DECIMALS).map(|parts| Answer::new("made up of", parts)));
     lines.extend(too_short.map(|short| Answer::new("mean viscosity", short.text())));
     lines
 }
 
 fn of_mean(mean: &MeanViscosity) -> Vec<Answer> {
-    let ([from, to], half) = (mean.strains, bar(mean.half_width()));
-    let value = format!("{:.DECIMALS$} ± {half} (95 %) from strain {from:.2} to {to:.2}", mean.relative);
-    let parts = split(mean.relative, &mean.parts.in_words()).map(|parts| Answer::new("made up of", parts));
+    let [from, to] = mean.strains;
+    let value = format!("{} (95 %) from strain {from:.2} to {to:.2}", with_bar(mean.relative, mean.half_width()));
+    let parts = split(mean.relative, &mean.parts.in_words(), decimals(mean.half_width())).map(|parts| Answer::new("made up of", parts));
     [Answer::new("mean viscosity", value)].into_iter().chain(parts).collect()
 }
 
@@ -121,9 +124,7 @@ fn of_quantities(summary: &Summary, lines: &[(&'static str, &str)]) -> Vec<Answe
     let line = |&(name, column): &(&'static str, &str)| {
         let quantity = summary.quantities.get(column)?;
         let value = match (&quantity.mean, quantity.last) {
-            (Some(SteadyMean { value, interval: [low, high], .. }), _) if low < high => {
-                format!("{} ± {} (95 %)", number(*value, 4), bar(0.5 * (high - low)))
-            }
+            (Some(SteadyMean { value, interval: [low, high], .. }), _) if low < high => with_bar(*value, 0.5 * (high - low)) + " (95 %)",
             (Some(mean), _) => number(mean.value, 4),
             (None, Some(last)) => number(last, 4) + when,
             (None, None) => return None,
@@ -134,8 +135,8 @@ fn of_quantities(summary: &Summary, lines: &[(&'static str, &str)]) -> Vec<Answe
 }
 
 /// The sum of parts in words, rounded such that what is written adds up; nothing for a single part.
-pub fn split(total: f64, parts: &[(&'static str, f64)]) -> Option<String> {
-    let rounded = rounded(total, parts);
+pub fn split(total: f64, parts: &[(&'static str, f64)], decimals: usize) -> Option<String> {
+    let rounded = rounded(total, parts, decimals);
     let mut text = String::new();
     for (place, ((name, _), value)) in parts.iter().zip(&rounded).enumerate() {
         let sign = match (place, *value < 0.0) {
@@ -144,14 +145,14 @@ pub fn split(total: f64, parts: &[(&'static str, f64)]) -> Option<String> {
             (_, true) => " \u{2212} ",
             (_, false) => " + ",
         };
-        text += &format!("{sign}{:.DECIMALS$} {name}", value.abs());
+        text += &format!("{sign}{:.decimals$} {name}", value.abs());
     }
     (parts.len() > 1).then_some(text)
 }
 
 /// Parts rounded to the decimals that are written, of which the largest takes up what rounding leaves.
-fn rounded(total: f64, parts: &[(&'static str, f64)]) -> Vec<f64> {
-    let unit = 10f64.powi(DECIMALS as i32);
+fn rounded(total: f64, parts: &[(&'static str, f64)], decimals: usize) -> Vec<f64> {
+    let unit = 10f64.powi(decimals as i32);
     let mut steps: Vec<f64> = parts.iter().map(|(_, value)| (value * unit).round()).collect();
     let left = (total * unit).round() - steps.iter().sum::<f64>();
     let largest = (0..steps.len()).max_by(|&one, &two| steps[one].abs().total_cmp(&steps[two].abs()));
@@ -195,8 +196,8 @@ fn of_settling(settling: &SettlingSummary) -> Vec<Answer> {
     let mut lines = Vec::new();
     match (&settling.mean, &settling.too_short) {
         (Some(MeanSpeed { mean, interval: [low, high], times: [from, to] }), _) => {
-            let half = bar(0.5 * (high - low));
-            lines.push(Answer::new("mean settling speed", format!("{mean:.6} ± {half} (95 %) from time {from:.4} to {to:.4}")));
+            let mean = with_bar(*mean, 0.5 * (high - low));
+            lines.push(Answer::new("mean settling speed", format!("{mean} (95 %) from time {from:.4} to {to:.4}")));
         }
         (None, Some(short)) => lines.push(Answer::new("mean settling speed", short.text())),
         (None, None) => {}
@@ -231,8 +232,30 @@ fn of_scalar(summary: &Summary) -> Vec<Answer> {
 
 /// Half the width of a bar, in two digits.
 pub fn bar(half: f64) -> String {
-    let places = if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    format!("{half:.places$}")
+    let decimals = decimals_of_bar(half);
+    format!("{half:.decimals$}")
+}
+
+/// A value and half the width of its bar, in two digits, to the same decimals; both with one power of ten if the value is very large or small.
+pub fn with_bar(value: f64, half: f64) -> String {
+    let larger = value.abs().max(half);
+    let exponent = if larger == 0.0 || (1e-3..1e6).contains(&larger) { 0 } else { larger.log10().floor() as i32 };
+    let [value, half] = [value, half].map(|number| number / 10f64.powi(exponent));
+    let decimals = decimals(half);
+    let text = match exponent {
+        0 => format!("{value:.decimals$} ± {half:.decimals$}"),
+        exponent => format!("({value:.decimals$} ± {half:.decimals$})e{exponent}"),
+    };
+    text.replace('-', "\u{2212}")
+}
+
+/// Decimals of a value with such a bar.
+fn decimals(half: f64) -> usize {
+    if half > 0.0 { decimals_of_bar(half) } else { DECIMALS }
+}
+
+fn decimals_of_bar(half: f64) -> usize {
+    if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 }
 }
 
 /// Components in six digits; those that are rounding beside the largest are 0.
@@ -262,15 +285,23 @@ mod tests {
     fn parts_are_written_such_that_they_add_up() {
         let parts = [("flow", 1.333_34), ("lubrication", 0.333_34), ("contacts", -0.111_06)];
         let total = parts.iter().map(|(_, value)| value).sum::<f64>();
-        let rounded = rounded(total, &parts);
+        let rounded = rounded(total, &parts, DECIMALS);
         assert!((rounded.iter().sum::<f64>() - (total * 1e4).round() / 1e4).abs() < 1e-12);
-        assert_eq!(split(total, &parts).unwrap(), "1.3334 flow + 0.3333 lubrication \u{2212} 0.1111 contacts");
-        assert_eq!(split(1.0, &parts[..1]), None);
+        assert_eq!(split(total, &parts, DECIMALS).unwrap(), "1.3334 flow + 0.3333 lubrication \u{2212} 0.1111 contacts");
+        assert_eq!(split(1.0, &parts[..1], DECIMALS), None);
     }
 
     #[test]
     fn a_bar_is_written_in_two_digits() {
         assert_eq!([0.01234, 1.2, 123.4, 0.0].map(bar), ["0.012", "1.2", "123", "0"]);
+    }
+
+    #[test]
+    fn a_value_has_as_many_decimals_as_its_bar() {
+        let values = [(2.438_912, 0.012_34), (45.81, 67.2), (-0.135, 0.27), (1.5, 0.0), (2.345_6e-12, 1.2e-14), (0.0, 0.0)];
+        let written =
+            ["2.439 ± 0.012", "46 ± 67", "\u{2212}0.14 ± 0.27", "1.5000 ± 0.0000", "(2.346 ± 0.012)e\u{2212}12", "0.0000 ± 0.0000"];
+        assert_eq!(values.map(|(value, half)| with_bar(value, half)), written);
     }
 
     #[test]

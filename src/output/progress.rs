@@ -7,7 +7,7 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{MeanViscosity, answer::bar};
+use super::{MeanViscosity, answer::with_bar};
 
 /// A progress line; silent when the standard error is no terminal, and on every rank but the first.
 pub struct Progress {
@@ -60,7 +60,7 @@ impl TimeProgress {
         self.line.0.set_position((1000.0 * done) as u64);
         let elapsed = self.start.elapsed().as_secs_f64();
         let left = if done > 0.01 { format!(", {:.0} s left", elapsed * (1.0 - done) / done) } else { String::new() };
-        let mean = mean.map_or(String::new(), |mean| format!(", viscosity {:.4} ± {}", mean.relative, bar(mean.half_width())));
+        let mean = mean.map_or(String::new(), |mean| format!(", viscosity {}", with_bar(mean.relative, mean.half_width())));
         self.line.0.set_message(format!("time {time:.4} of {end}, step {step}{mean}{left}"));
     }
 

@@ -75,7 +75,7 @@ fn accuracy_line(accuracy: &AccuracySummary) -> String {
         None => format!("found earlier on grids of {grids}"),
     };
     let (asked, cells) = (accuracy.asked, accuracy.cells_per_radius);
-    format!("accuracy             {asked} asked for, met with {cells} cells per radius, {found}")
+    format!("accuracy             {asked} asked for, met with {cells} cells per radius and the most modes that they allow, {found}")
 }
 
 fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {

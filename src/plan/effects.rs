@@ -54,7 +54,10 @@ pub fn flow_effects<const D: usize>(setup: &Setup<D>, grid: &Grid<D>) -> Vec<Eff
         Effect::on("drive", shear(&setup.domain).unwrap_or_else(|| changing_drive(setup)) + &sliding(setup, grid)),
         match setup.bodies.len() {
             0 => Effect::off("bodies"),
-            count => Effect::on("bodies", format!("{count}, {free} of them free; {}", setup.method(0.0).description())),
+            count => Effect::on(
+                "bodies",
+                format!("{count}, {free} of them free, fraction {:.4}; {}", setup.fraction(), setup.method(0.0).description()),
+            ),
         },
     ]
 }

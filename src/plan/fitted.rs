@@ -29,7 +29,7 @@ pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> R
         Effect::on("pressure", "one unknown for each corner of a triangle".into()),
         Effect { name: "rotation".into(), built: (free > 0).then(|| format!("spins of {free} bodies, which are unknowns")) },
         Effect::on("drive", drive(&setup.drive)),
-        bodies(setup.bodies.len(), &format!("{free} of them free; ")),
+        bodies(setup.bodies.len(), &format!("{free} of them free, fraction {:.4}; ", setup.fraction())),
         inertia(setup),
         gravity(&plan.scene),
     ];

@@ -146,9 +146,14 @@ impl Forecast {
         })
     }
 
+    /// Seconds of each solve but the first.
+    pub fn of_further(&self) -> f64 {
+        self.further * self.solve
+    }
+
     /// All seconds.
     pub fn seconds(&self) -> f64 {
-        self.setup + self.solves.map_or(self.solve, |solves| self.solve * (1.0 + self.further * (solves - 1.0).max(0.0)))
+        self.setup + self.solve + self.solves.map_or(0.0, |solves| self.of_further() * (solves - 1.0).max(0.0))
     }
 }
 

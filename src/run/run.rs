@@ -26,7 +26,7 @@ use crate::{
     mechanics::FlowSolver,
     motion::{Observation, Simulation},
     observe::{self, Viscosity},
-    output::{Checkpoint, CurvePoint, Progress, Summary, TimeProgress, note, write_whole},
+    output::{Checkpoint, CurvePoint, MotionSummary, Progress, Summary, TimeProgress, note, write_whole},
     parallel::World,
     petsc::{Session, Stage, enter},
     plan::flow_solver,
@@ -360,7 +360,7 @@ impl<'a, const D: usize> Run<'a, D> {
             files.push("scene.toml".to_owned());
             files.extend(self.calibrated.as_ref().map(|_| calibration::FILE.to_owned()));
         }
-        summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
+        summary.motion = self.motion();
         self.tell(|output, view| {
             files.extend(output.finish(view, &mut summary)?);
             // a picture may take more than the run
@@ -371,12 +371,20 @@ impl<'a, const D: usize> Run<'a, D> {
             files.extend(table_of_bodies(&self.view(), &summary, folder.path())?);
         }
         // with the seconds of what was written since
-        summary.motion = self.scene.time.as_ref().map(|_| self.statistics.motion());
+        summary.motion = self.motion();
         if let Some(folder) = &self.folder {
             files.extend(folder.complete(&summary)?);
         }
         let folder = self.folder.as_ref().map(|folder| folder.path().to_owned());
         Ok(Finished { summary, curve: self.history.points().to_vec(), folder, files })
+    }
+
+    /// What the steps and the last look cost, in a run in time.
+    fn motion(&self) -> Option<MotionSummary> {
+        match &self.machinery {
+            Machinery::InTime { observation: Some(last), .. } => Some(self.statistics.motion_to(last)),
+            _ => None,
+        }
     }
 
     /// Writes the island that was not solved beside the other files, and says so.

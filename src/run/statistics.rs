@@ -67,11 +67,7 @@ impl RunStatistics {
         motion.grown += usize::from(before.is_some_and(|last| report.length > last * (1.0 + 1e-9)));
         motion.shrunk += usize::from(before.is_some_and(|last| report.length < last * (1.0 - 1e-9)));
         motion.halved += report.halvings;
-        motion.solves += effort.solves;
-        motion.iterations += effort.iterations;
-        motion.assembly_seconds += effort.assembly;
-        motion.solve_seconds += effort.solving;
-        motion.contact_seconds += effort.contact;
+        add_effort(motion, &effort);
         if let Some(kkt_report) = report.kkt_report {
             self.smallest_gap = self.smallest_gap.min(kkt_report.smallest_gap);
             self.kkt_residual = self.kkt_residual.max(kkt_report.kkt_residual);
@@ -92,6 +88,13 @@ impl RunStatistics {
     /// Steps and costs, with the seconds until now.
     pub fn motion(&self) -> MotionSummary {
         MotionSummary { seconds: self.motion.seconds + self.since.elapsed().as_secs_f64(), ..self.motion.clone() }
+    }
+
+    /// Steps and costs of a run that ends with a last look.
+    pub fn motion_to<const D: usize>(&self, last: &Observation<D>) -> MotionSummary {
+        let mut motion = self.motion();
+        add_effort(&mut motion, &last.effort);
+        motion
     }
 
     /// Adds seconds spent on files.
@@ -186,6 +189,14 @@ impl RunStatistics {
         numbers.extend(kkt_report.as_mut().map_or(Vec::new(), of_contacts));
         numbers
     }
+}
+
+fn add_effort(motion: &mut MotionSummary, effort: &Effort) {
+    motion.solves += effort.solves;
+    motion.iterations += effort.iterations;
+    motion.assembly_seconds += effort.assembly;
+    motion.solve_seconds += effort.solving;
+    motion.contact_seconds += effort.contact;
 }
 
 fn of_contacts(kept: &mut KktReport) -> Vec<(&'static str, Number<'_>)> {
