@@ -29,6 +29,8 @@ pub struct Certified<'a, const D: usize> {
     pub contacts: &'a [Contact<D>],
     /// Length of the step.
     pub step: f64,
+    /// Over how long forces act on its velocities.
+    pub duration: f64,
     /// How surfaces rub.
     pub surfaces: &'a SurfaceFriction,
     /// The wall that a load presses on them, if there is one.
@@ -81,10 +83,10 @@ impl<const D: usize> Certified<'_, D> {
     }
 
     fn judged_by_law<const W: usize>(&self, contact: &Contact<D>, wrench: &ContactWrench<D>, law: FrictionLaw) -> Judged {
-        let Certified { domain, view: View { balls, .. }, masses, step, .. } = *self;
+        let Certified { domain, view: View { balls, .. }, masses, step, duration, .. } = *self;
         let (contacts, laws) = (&[*contact], &[law]);
         let wall = self.wall;
-        let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration: step, wall };
+        let island = |twists| FrictionIsland { domain, balls, masses, twists, step, contacts, laws, duration, wall };
         let (wanted, after) = (island(self.twists).program::<W>(), island(self.ends).program::<W>());
         let impulses = island(self.ends).impulses(&after, &[*wrench]);
         let velocities: Vec<[f64; D]> = after.row_blocks.iter().map(|row_block| row_block.offset).collect();
@@ -104,7 +106,7 @@ impl<const D: usize> Certified<'_, D> {
             std::array::from_fn(|axis| velocity[axis] / norms[axis])
         };
         let (force, velocity, friction) = (frame.components(&wrench.force), scaled(self.ends), coefficient * norms[1] / norms[0]);
-        let impulse = std::array::from_fn(|axis| force[axis] * self.step * norms[axis]);
+        let impulse = std::array::from_fn(|axis| force[axis] * self.duration * norms[axis]);
         Judged {
             miss: natural_map(&impulse, &velocity, (friction, 0.0)),
             unit: scaled(self.twists).iter().fold(0.0, |unit, wanted| unit.max(wanted.abs())),

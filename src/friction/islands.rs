@@ -108,10 +108,10 @@ impl<const D: usize> Shared<'_, D> {
         cost: &mut Cost,
     ) -> Wrenches<D> {
         let laws: Vec<FrictionLaw> = self.contacts.iter().map(|contact| friction.surfaces.of(contact.identity())).collect();
-        let Problem { domain, step, .. } = self.share.problem;
+        let (Problem { domain, step, .. }, duration) = (self.share.problem, friction.duration);
         let (balls, masses, twists) = (&self.view.balls, self.masses, self.twists);
         let island =
-            FrictionIsland { domain, balls, masses, twists, step, contacts: self.contacts, laws: &laws, duration: step, wall: Some(wall) };
+            FrictionIsland { domain, balls, masses, twists, step, contacts: self.contacts, laws: &laws, duration, wall: Some(wall) };
         let program = island.program::<W>();
         let guess: Vec<ContactWrench<D>> = self.contacts.iter().map(|contact| guess(&contact.identity()).0).collect();
         let found = solve_exactly(&program, island.impulses(&program, &guess), friction.tolerance);
@@ -209,7 +209,7 @@ impl<const D: usize> Gathered<D> {
             step,
             contacts: &contacts,
             laws: &laws,
-            duration: step,
+            duration: friction.duration,
             wall: None,
         };
         let program = island.program::<W>();

@@ -179,7 +179,7 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let (peers, problem) = (self.peers, &self.share.problem);
         let view = View::new(peers, self.share, &self.motions(velocities), 0.0, &known);
         let inertias = view.halo.spread(peers, self.friction.inertias);
-        let masses = view.weights.iter().zip(inertias).map(|(weight, inertia)| [weight * problem.step, inertia]).collect();
+        let masses = view.weights.iter().zip(inertias).map(|(weight, inertia)| [weight * self.friction.duration, inertia]).collect();
         let twists = view.halo.spread_twists(peers, problem.velocities, self.friction.spins);
         let contacts = known.iter().map(|contact| view.placed(contact)).collect();
         LocalView { view, masses, twists, contacts }
@@ -193,13 +193,13 @@ impl<'a, const D: usize> Rounds<'a, D> {
     ) -> Vec<Twist<D>> {
         let mut changes = vec![Twist::zero(); view.halo.len()];
         for contact in contacts {
-            let (step, ContactWrench { force, couple }) = (self.share.problem.step, wrench(contact));
-            let (frame, impulse) = (Frame::new(contact, &view.balls), force * step);
+            let (duration, ContactWrench { force, couple }) = (self.friction.duration, wrench(contact));
+            let (frame, impulse) = (Frame::new(contact, &view.balls), force * duration);
             let tangential = frame.tangential(&frame.components(&impulse));
             let ends = [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, -frame.arms[1])];
             for (body, sign, arm) in ends.into_iter().filter_map(|(body, sign, arm)| body.map(|body| (body, sign, arm))) {
                 changes[body].velocity += impulse * (sign / masses[body][0]);
-                changes[body].spin += (frame.torque(&(tangential * sign), arm) + couple * (sign * step)) / masses[body][1];
+                changes[body].spin += (frame.torque(&(tangential * sign), arm) + couple * (sign * duration)) / masses[body][1];
             }
         }
         if let Some(wall) = self.share.problem.wall {
@@ -259,10 +259,10 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let Cost { sweeps, iterations } = self.cost;
         let tolerance = FrictionReport::tolerance_of(self.friction.tolerance);
         let mut friction = FrictionReport { sweeps, iterations, tolerance, ..FrictionReport::default() };
-        let surfaces = self.friction.surfaces;
+        let FrictionShare { surfaces, duration, .. } = *self.friction;
         certify(
             peers,
-            &Certified { domain, view, masses, twists, ends, contacts, step, surfaces, wall: self.share.problem.wall },
+            &Certified { domain, view, masses, twists, ends, contacts, step, duration, surfaces, wall: self.share.problem.wall },
             whole,
             &mut friction,
         );

@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use super::SurfaceFriction;
 use crate::contact::{ContactForce, Identity, KktReport};
 
-/// The own bodies of a rank as friction knows them, besides their [`Problem`](crate::contact::Problem), whose weights are masses over the step.
+/// The own bodies of a rank as friction knows them, besides their [`Problem`](crate::contact::Problem), whose weights are masses over the duration.
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionShare<'a, const D: usize> {
     /// Coefficients of friction of all surfaces.
@@ -16,6 +16,8 @@ pub struct FrictionShare<'a, const D: usize> {
     pub spins: &'a [SMatrix<f64, D, D>],
     /// Moments of inertia, infinite where a motion is given.
     pub inertias: &'a [f64],
+    /// Over how long forces act on the velocities of the step: impulses are forces times this.
+    pub duration: f64,
     /// Residual to which forces are found.
     pub tolerance: f64,
     /// Tangential forces of the last step by contact: a place to start from.

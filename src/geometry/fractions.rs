@@ -46,6 +46,10 @@ pub fn touches<const D: usize>(ball: &Ball<D>, center: &SVector<f64, D>, size: &
 
 /// Area that the disk around the origin and the rectangle between two corners have in common.
 fn disk_area(radius: f64, [lower, upper]: &[Vector2<f64>; 2]) -> f64 {
+    // a slice at the very end of a ball
+    if radius == 0.0 {
+        return 0.0;
+    }
     let corners = [*lower, Vector2::new(upper[0], lower[1]), *upper, Vector2::new(lower[0], upper[1])];
     let edges: [Swept; 4] = std::array::from_fn(|corner| swept(radius, corners[corner], corners[(corner + 1) % 4]));
     let angle: f64 = if lower.max() <= 0.0 && upper.min() >= 0.0 {
@@ -147,6 +151,16 @@ mod tests {
             offset[axis] = -1.3;
             assert!((of(offset) - cap).abs() < 1e-9, "cap along axis {axis}: {}", of(offset));
         }
+    }
+
+    #[test]
+    fn a_ball_at_a_corner_of_cells_fills_a_part_of_each() {
+        let (edge, ball) = (1.0 / 12.0, Ball { center: Vector3::new(3.0, 4.0, 5.0), radius: 1.0 });
+        let first = ball.center * 12.0 - Vector3::repeat(13.0);
+        let middle = |place: usize| (first + Vector3::from_fn(|axis, _| (place / 26_usize.pow(axis as u32) % 26) as f64 + 0.5)) * edge;
+        let filled: Vec<f64> = (0..26_usize.pow(3)).map(|place| fraction(&ball, &middle(place), &Vector3::repeat(edge))).collect();
+        assert!(filled.iter().all(|part| (0.0..=1.0).contains(part)));
+        assert!((filled.iter().sum::<f64>() * edge.powi(3) / ball.volume() - 1.0).abs() < 1e-9);
     }
 
     /// Cells of unequal edges, some of which the ball just touches, fill up to its volume.

@@ -1,12 +1,14 @@
 //! The rules by which bodies in a flow travel over a step, before contacts are kept: two-step, midpoint and Euler's.
 
+use nalgebra::SVector;
+
 use super::{
     quasi_static::QuasiStatic,
     stepper::{Effort, Observation},
 };
 use crate::{
     body::Twist,
-    contact::Partner,
+    contact::{ContactForce, Partner, bodies_of},
     error::Result,
     interaction::Interactions,
     mechanics::unsteady::starts_at_once,
@@ -14,6 +16,9 @@ use crate::{
     setup::{ContactHistory, State},
     system::ResidualMonitor,
 };
+
+/// Radii that a contact closes by in an impact, at least.
+const CLOSED: f64 = 1e-6;
 
 impl<const D: usize> QuasiStatic<D> {
     /// The motions by which bodies travel before contacts are kept.
@@ -33,7 +38,9 @@ impl<const D: usize> QuasiStatic<D> {
             }
             Scheme::TwoStep if self.last_step(state) > 0.0 => {
                 let factor = self.looks_back(state, length);
-                let mut moves = two_step(state, observation, factor, &self.suspension.setup().interactions);
+                let impacts = if self.evolves() { self.impacts(state, observation) } else { Vec::new() };
+                let jumps = jumps(state, observation, &impacts, &self.suspension.setup().interactions);
+                let mut moves = two_step(state, observation, factor, &jumps);
                 self.follow_images(state, length, factor, &mut moves);
                 Ok(moves)
             }
@@ -50,6 +57,17 @@ impl<const D: usize> QuasiStatic<D> {
             true => 0.5 * (ratio + 1.0 / ratio),
             false => 0.5 * ratio,
         }
+    }
+
+    /// Bodies with inertia whose contacts closed in the last step: an impulse stopped them, and what they looked back to would part them again.
+    fn impacts(&self, state: &State<D>, observation: &Observation<D>) -> Vec<usize> {
+        let velocities: Vec<SVector<f64, D>> = state.bodies.iter().map(|body| body.twist.velocity).collect();
+        let balls = state.balls(&self.radii);
+        let closed = |active: &&ContactForce<D>| {
+            let (contact, way) = (&active.contact, active.contact.opening(&velocities) * state.last_step);
+            active.force > 0.0 && way < -CLOSED * contact.smaller_radius(&balls)
+        };
+        observation.contacts.iter().filter(closed).flat_map(|active| bodies_of(active.contact.identity())).collect()
     }
 
     /// Motions half a step ahead.
@@ -70,16 +88,22 @@ impl<const D: usize> QuasiStatic<D> {
     }
 }
 
-/// `v + factor (v - v_last)`; bodies that came into contact or out of it since the last step do not look back, if contact
-/// forces jump.
-fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, factor: f64, interactions: &Interactions<D>) -> Vec<Twist<D>> {
+/// Whether velocities of bodies jumped: those that an impact stopped, those that came into contact or out of it since the last step, if contact forces
+/// jump, and what is tied to them.
+fn jumps<const D: usize>(state: &State<D>, observation: &Observation<D>, impacts: &[usize], interactions: &Interactions<D>) -> Vec<bool> {
     let now: Vec<ContactHistory<D>> = observation.contacts.iter().filter(|active| active.force != 0.0).map(ContactHistory::of).collect();
     let (before, after) = (contacts_of(&state.contact_history, state.bodies.len()), contacts_of(&now, state.bodies.len()));
     let mut jumps: Vec<bool> = before.iter().zip(&after).map(|(before, after)| interactions.projects() && before != after).collect();
+    impacts.iter().for_each(|&body| jumps[body] = true);
     for cluster in interactions.clusters() {
         let any = jumps[cluster.bodies.clone()].contains(&true);
         jumps[cluster.bodies.clone()].fill(any);
     }
+    jumps
+}
+
+/// `v + factor (v - v_last)`; bodies whose velocities jumped do not look back.
+fn two_step<const D: usize>(state: &State<D>, observation: &Observation<D>, factor: f64, jumps: &[bool]) -> Vec<Twist<D>> {
     let rule = |(body, (now, last)): (usize, (&Twist<D>, &Twist<D>))| {
         if jumps[body] {
             return *now;

@@ -4,11 +4,11 @@
 //! spin included; that of the fluid the mean over cells whose centre no body holds. The particle stress is
 //!
 //! ```text
-//! sum_i (part of body i in the slice) S_i / V  -  sum (part of a contact's line of centres in the slice) f r n n / V
+//! sum_i (part of body i in the slice) S_i / V  -  sum (part of a contact's line of centres in the slice) (F r + r F) / 2 V
 //! ```
 //!
-//! with the stresslets `S_i` of the flow, lubrication included, and the forces `f` of contacts between centres a distance `r n` apart; `V` is the volume of
-//! the slice. Bonds and forces at a distance are left out.
+//! with the stresslets `S_i` of the flow, lubrication included, and the forces `F` of contacts, friction included, between centres `r` apart; `V` is the
+//! volume of the slice. Stresslets have no trace. Bonds and forces at a distance are left out.
 
 use std::f64::consts::PI;
 
@@ -56,8 +56,8 @@ pub struct ProfileContact<const D: usize> {
     pub normal: SVector<f64, D>,
     /// Distance from the body's centre to that of the partner, or to the wall.
     pub separation: f64,
-    /// The force, positive if it pushes.
-    pub force: f64,
+    /// The force on the partner, friction included.
+    pub force: SVector<f64, D>,
 }
 
 /// Sums over bodies and over cells, slice by slice; those of several ranks add up.
@@ -163,7 +163,8 @@ impl<const D: usize> ProfileSums<D> {
     pub fn add_contact(&mut self, contact: &ProfileContact<D>) {
         let ProfileContact { from, normal, separation, force } = *contact;
         let (axis, solid) = (self.slices.axis, &mut self.solid);
-        let moment = normal * normal.transpose() * (-force * separation);
+        let moment = force * normal.transpose() * separation;
+        let moment = (moment + moment.transpose()) * -0.5;
         let start = self.slices.domain.wrap(from)[axis];
         let end = start + normal[axis] * separation;
         let (low, high) = (start.min(end), start.max(end));
@@ -261,11 +262,13 @@ mod tests {
         let stresslet = Matrix2::new(1.0, 2.0, 2.0, -1.0);
         sums.add_body(&ProfileBody { stresslet, ..body(Vector2::new(0.1, 1.0), 0.5) });
         let normal = Vector2::new(0.6, 0.8);
-        sums.add_contact(&ProfileContact { from: Vector2::new(3.9, 1.0), normal, separation: 1.0, force: 5.0 });
-        sums.add_contact(&ProfileContact { from: Vector2::new(1.0, 1.0), normal: Vector2::y(), separation: 1.0, force: 2.0 });
+        sums.add_contact(&ProfileContact { from: Vector2::new(3.9, 1.0), normal, separation: 1.0, force: normal * 5.0 });
+        // with friction
+        let (from, normal_up) = (Vector2::new(1.0, 1.0), Vector2::y());
+        sums.add_contact(&ProfileContact { from, normal: normal_up, separation: 1.0, force: Vector2::new(0.5, 2.0) });
         let samples = sums.samples(true);
         let mean = |place: usize| samples.iter().map(|sample| sample.stress[place]).sum::<f64>() / samples.len() as f64;
-        let expected = (stresslet - normal * normal.transpose() * 5.0 - Matrix2::new(0.0, 0.0, 0.0, 2.0)) / 16.0;
+        let expected = (stresslet - normal * normal.transpose() * 5.0 - Matrix2::new(0.0, 0.25, 0.25, 2.0)) / 16.0;
         assert!((0..4).all(|place| (mean(place) - expected[(place / 2, place % 2)]).abs() < 1e-12));
     }
 }

@@ -11,6 +11,9 @@ const AIM: f64 = 1e-11;
 const FIRST: f64 = 1e-3;
 const NEXT: f64 = 0.1;
 
+/// Where its path starts, over the residual of sweeps.
+const START: f64 = 10.0;
+
 /// Largest impulse of the interior point over that of sweeps, or over the largest velocity without impulses, beyond which it is none: where bodies are wedged,
 /// impulses that balance each other have no bound, and the path may lead to large ones.
 const WEDGED: f64 = 100.0;
@@ -58,15 +61,18 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
         sweeps.settle(first, LOCAL);
     }
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
+    // impulses are not unique: from a guess that is as near, those beside it
+    if best.residual > tolerance && best.residual <= NEXT * FIRST {
+        iterations += best.follow(program, &sweeps, best.residual);
+        if best.residual < sweeps.residual {
+            sweeps.go_on(best.forces.clone());
+        }
+    }
     loop {
         sweeps.run(first, if first >= FIRST { most.max(MOST_SWEEPS[0]) } else { most });
         best.take(&sweeps.forces, sweeps.residual);
         if best.residual > tolerance && sweeps.residual <= first {
-            let (forces, more) = from_sweeps(program, &sweeps, 10.0 * first);
-            iterations += more;
-            if largest(&forces) <= WEDGED * largest(&sweeps.forces).max(program.unit) {
-                best.take(&forces, program.residual(&forces));
-            }
+            iterations += best.follow(program, &sweeps, first);
         }
         // velocities that are not finite are refused by who separates bodies
         if best.residual <= tolerance || sweeps.count >= most || !sweeps.residual.is_finite() {
@@ -110,6 +116,15 @@ fn largest<const D: usize>(forces: &[[f64; D]]) -> f64 {
 }
 
 impl<const D: usize> Found<D> {
+    /// Takes the impulses of the interior point from where sweeps have come to a residual, if they are better; its iterations.
+    fn follow<const W: usize>(&mut self, program: &FrictionProgram<D, W>, sweeps: &Sweeps<D, W>, residual: f64) -> usize {
+        let (forces, iterations) = from_sweeps(program, sweeps, START * residual);
+        if largest(&forces) <= WEDGED * largest(&sweeps.forces).max(program.unit) {
+            self.take(&forces, program.residual(&forces));
+        }
+        iterations
+    }
+
     /// Takes better impulses.
     fn take(&mut self, forces: &[[f64; D]], residual: f64) {
         // a guess that is not finite has no residual

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::Granular;
+use super::{Granular, chains::GranularStep};
 use crate::{
     body::Twist,
     contact::{FRICTION_TOLERANCE, Problem, ProblemShare},
@@ -23,7 +23,7 @@ impl<const D: usize> Granular<D> {
     }
 
     /// A step of bodies that want to move so, with friction. Collective.
-    pub(super) fn advance_with_friction(&self, state: &State<D>, wanted: &[Twist<D>], step: f64) -> Result<StepOutcome<D>> {
+    pub(super) fn advance_with_friction(&self, state: &State<D>, wanted: &[Twist<D>], length: GranularStep) -> Result<StepOutcome<D>> {
         let start = Instant::now();
         let coefficient = self.interactions.friction().map_or(0.0, |friction| friction.coefficient);
         if self.interactions.touch() != Some(Touch::Hard) {
@@ -31,11 +31,12 @@ impl<const D: usize> Granular<D> {
                 "contact.friction = {coefficient}: acts with contact.model = \"inelastic\"; set that or remove it"
             )));
         }
-        let kept = self.project_with_friction(state, wanted, &self.interactions.surfaces(), step)?;
+        let kept = self.project_with_friction(state, wanted, &self.interactions.surfaces(), length)?;
         let moves: Vec<Twist<D>> = kept.velocities.iter().zip(&kept.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
         let contacts = [self.known.contacts.clone(), kept.forces].concat();
         let effort = Effort { contact: start.elapsed().as_secs_f64(), ..Effort::default() };
         let (twists, adhesive_contacts, kkt_report) = (moves.clone(), Vec::new(), Some(kept.kkt_report));
+        let step = length.length;
         Ok(StepOutcome { step, twists, moves, contacts, adhesive_contacts, kkt_report, shear: state.shear, wall: None, effort })
     }
 
@@ -45,11 +46,11 @@ impl<const D: usize> Granular<D> {
         state: &State<D>,
         moves: &[Twist<D>],
         surfaces: &SurfaceFriction,
-        step: f64,
+        GranularStep { length: step, push }: GranularStep,
     ) -> Result<FrictionProjection<D>> {
         let (_stage, peers) = (enter(Stage::Contacts), self.peers());
         let (numbers, balls) = (state.numbers(), state.balls(&self.radii));
-        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
+        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / push).collect();
         let inertias: Vec<f64> = self.bodies.iter().map(|body| body.inertia).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
         let spins: Vec<SMatrix<f64, D, D>> = moves.iter().map(|twist| twist.spin).collect();
@@ -66,7 +67,8 @@ impl<const D: usize> Granular<D> {
         };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
         let last = state.contact_history.iter().map(|contact| (contact.identity(), contact.tangential)).collect();
-        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, tolerance: self.friction_tolerance(), last: &last };
+        let (tolerance, last) = (self.friction_tolerance(), &last);
+        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, duration: push, tolerance, last };
         project_with_friction(peers, &share, &friction, &state.memory())
     }
 }

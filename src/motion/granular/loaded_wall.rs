@@ -42,7 +42,7 @@ impl<const D: usize> Granular<D> {
         let wall = state.wall.expect("a wall under a load has a place");
         let mut all = self.all_bodies(state, wanted, &velocities(wanted));
         all.press(pressed, &wall, step.push);
-        let found = self.press(state, pressed, &all, step.length)?;
+        let found = self.press(state, pressed, &all, step)?;
         let moves: Vec<Twist<D>> = state.numbers().iter().map(|&number| found.twists[number]).collect();
         let own = |force: &&ContactForce<D>| bodies_of(force.contact.identity()).any(|body| state.place(body).is_some());
         let contacts = [&self.known.contacts[..], &found.forces.iter().filter(own).copied().collect::<Vec<_>>()].concat();
@@ -61,16 +61,16 @@ impl<const D: usize> Granular<D> {
     }
 
     /// The motions of all bodies and of the wall that contacts leave, and their forces.
-    fn press(&self, state: &State<D>, pressed: &PressedWall, all: &AllBodies<D>, step: f64) -> Result<Pressed<D>> {
+    fn press(&self, state: &State<D>, pressed: &PressedWall, all: &AllBodies<D>, step: GranularStep) -> Result<Pressed<D>> {
         let wall = LoadedWall { axis: pressed.load.axis, place: all.balls.len() - 1, fixed: &pressed.load.fixed };
-        let (weights, regions) = (all.masses.iter().map(|[mass, _]| mass / step).collect::<Vec<f64>>(), Regions::new(&self.domain, 1));
+        let (weights, regions) = (all.masses.iter().map(|[mass, _]| mass / step.push).collect::<Vec<f64>>(), Regions::new(&self.domain, 1));
         let problem = Problem {
             domain: &self.domain,
             numbers: None,
             balls: &all.balls,
             weights: &weights,
             velocities: &velocities(&all.twists),
-            step,
+            step: step.length,
             lower_bounds: &[],
             cluster_of: &[],
             wall: Some(wall),
@@ -78,7 +78,7 @@ impl<const D: usize> Granular<D> {
         let share = ProblemShare { problem, regions: &regions, spanning: (&self.session).into() };
         let history = state.whole_contact_history(self.session.world());
         let found = if self.interactions.friction().is_some() {
-            self.press_with_friction(&share, all, &history)?
+            self.press_with_friction(&share, all, &history, step.push)?
         } else {
             let memory = history.iter().map(|contact| (wall.of_body(contact.identity()), contact.force)).collect();
             let projection = project_share(Peers::Alone, &share, &memory)?.projection;
@@ -94,14 +94,20 @@ impl<const D: usize> Granular<D> {
     }
 
     /// The same with friction.
-    fn press_with_friction(&self, share: &ProblemShare<D>, all: &AllBodies<D>, history: &[ContactHistory<D>]) -> Result<Pressed<D>> {
+    fn press_with_friction(
+        &self,
+        share: &ProblemShare<D>,
+        all: &AllBodies<D>,
+        history: &[ContactHistory<D>],
+        duration: f64,
+    ) -> Result<Pressed<D>> {
         let wall = share.problem.wall.expect("a load presses a wall");
         let memory = history.iter().map(|contact| (wall.of_body(contact.identity()), contact.force)).collect();
         let last = history.iter().map(|contact| (wall.of_body(contact.identity()), contact.tangential)).collect();
         let inertias: Vec<f64> = all.masses.iter().map(|[_, inertia]| *inertia).collect();
         let spins: Vec<_> = all.twists.iter().map(|twist| twist.spin).collect();
         let (surfaces, tolerance) = (&self.interactions.surfaces(), self.friction_tolerance());
-        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, tolerance, last: &last };
+        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, duration, tolerance, last: &last };
         let found = project_with_friction(Peers::Alone, share, &friction, &memory)?;
         let twists = found.velocities.iter().zip(&found.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
         Ok(Pressed { twists, forces: found.forces, on_wall: SVector::zeros(), kkt_report: found.kkt_report })

@@ -242,11 +242,11 @@ impl<const D: usize> Granular<D> {
         state: &State<D>,
         moves: &[Twist<D>],
         lower_bounds: &[ContactForce<D>],
-        step: f64,
+        GranularStep { length: step, push }: GranularStep,
     ) -> Result<(ProjectionShare<D>, Vec<AdhesiveContact<D>>)> {
         let (_stage, peers) = (enter(Stage::Contacts), self.peers());
         let balls: Vec<Ball<D>> = state.balls(&self.radii);
-        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / step).collect();
+        let weights: Vec<f64> = self.bodies.iter().map(|body| body.mass / push).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
         let numbers = state.numbers();
         let problem = Problem {
@@ -265,20 +265,20 @@ impl<const D: usize> Granular<D> {
             &ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() },
             &state.memory(),
         )?;
-        let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * step).collect();
+        let masses: Vec<f64> = found.view.weights.iter().map(|weight| weight * push).collect();
         let (domain, numbers) = (&self.domain, Some(found.view.halo.numbers()));
         let arrangement =
             Arrangement { domain, numbers, balls: &found.view.balls, weights: &masses, viscosity: None, reach: 0.0, time: state.time };
-        let remember = |adhesive_contacts: &[_], forces: &[_]| self.interactions.remember(&arrangement, adhesive_contacts, forces, step);
+        let remember = |adhesive_contacts: &[_], forces: &[_]| self.interactions.remember(&arrangement, adhesive_contacts, forces, push);
         let remembered = migration::remembered(peers, &found, &state.adhesive_contacts, remember);
         Ok((found, remembered))
     }
 
     /// The motions of own bodies over a step by all forces but those that a projection finds; those that are given.
-    fn without_contacts(&self, state: &State<D>, step: f64, push: f64) -> Vec<Twist<D>> {
-        let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, push);
+    fn without_contacts(&self, state: &State<D>, step: GranularStep) -> Vec<Twist<D>> {
+        let pushed = |(body, acceleration): (&Moving<D>, &Acceleration<D>)| acceleration.after(&body.twist, step.push);
         let mut moves: Vec<Twist<D>> = state.bodies.iter().zip(&self.known.accelerations).map(pushed).collect();
-        let given = self.trajectories.mean_twists(state.time, step);
+        let given = self.trajectories.mean_twists(state.time, step.length);
         given.for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| moves[place] = twist));
         moves
     }
@@ -289,9 +289,9 @@ impl<const D: usize> Granular<D> {
         state: &State<D>,
         ties: Option<&mut Ties<D>>,
         (moves, rubbed): (&[Twist<D>], Option<&[Twist<D>]>),
-        step: f64,
+        step: GranularStep,
     ) -> Result<Kept<D>> {
-        let lower_bounds = self.lower_bounds(state, step);
+        let lower_bounds = self.lower_bounds(state, step.push);
         let Some(ties) = ties else {
             let (projection, adhesive_contacts) = self.project(state, moves, &lower_bounds, step)?;
             return Ok(Kept { projection, adhesive_contacts, changes: Vec::new() });
@@ -306,12 +306,12 @@ impl<const D: usize> Granular<D> {
         ties: &mut Ties<D>,
         (moves, rubbed): (&[Twist<D>], Option<&[Twist<D>]>),
         lower_bounds: &[ContactForce<D>],
-        step: f64,
+        step: GranularStep,
     ) -> Result<Kept<D>> {
         let wanted = velocities(moves);
         let (peers, mut target) = (self.peers(), moves.to_vec());
         let smallest = peers.min(self.radii.iter().copied().fold(f64::INFINITY, f64::min));
-        let guess = if rubbed.is_some() { vec![SVector::zeros(); moves.len()] } else { self.by_last_contacts(state, step) };
+        let guess = if rubbed.is_some() { vec![SVector::zeros(); moves.len()] } else { self.by_last_contacts(state, step.push) };
         let (mut contacts, mut apart) = (Accelerated::new(guess), f64::INFINITY);
         let mut together = Together::default();
         for round in 0..MOST_ROUNDS {
@@ -324,7 +324,7 @@ impl<const D: usize> Granular<D> {
             let (projection, adhesive_contacts) = self.project(state, &target, lower_bounds, step)?;
             let kept = &projection.projection.velocities;
             let difference = kept.iter().zip(&tied).map(|(kept, tied)| (kept - tied).norm()).fold(0.0, f64::max);
-            apart = -peers.min(-difference) * step;
+            apart = -peers.min(-difference) * step.length;
             if apart <= AGREEMENT * smallest {
                 return Ok(Kept { projection, adhesive_contacts, changes: changes.into_owned() });
             }
@@ -337,19 +337,19 @@ impl<const D: usize> Granular<D> {
             contacts.advance(peers, kept.iter().zip(&target).map(|(kept, target)| kept - target.velocity).collect(), &self.masses());
             contacts = at_once.map_or(contacts, Accelerated::new);
         }
-        Err(disagreement(state.time, step, apart))
+        Err(disagreement(state.time, step.length, apart))
     }
 
     /// What contacts change wanted velocities by where they and ties are solved at once, from changes of which ties have made those held. Collective.
     fn changes_at_once(
         &self,
-        (state, step): (&State<D>, f64),
+        (state, step): (&State<D>, GranularStep),
         wanted: [&[SVector<f64, D>]; 2],
         held: &[SVector<f64, D>],
         (together, ties): (&Together<D>, &Ties<D>),
     ) -> Option<Vec<SVector<f64, D>>> {
         let (peers, numbers, balls, masses) = (self.peers(), state.numbers(), state.balls(&self.radii), self.masses());
-        let weights: Vec<f64> = masses.iter().map(|mass| mass / step).collect();
+        let weights: Vec<f64> = masses.iter().map(|mass| mass / step.push).collect();
         let (velocities, clusters) = ties.linear(peers, wanted, (held, &weights));
         let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &velocities, step };
         together.changes(peers, &own, ties, &clusters)
@@ -368,7 +368,7 @@ impl<const D: usize> Granular<D> {
     }
 
     /// What the contact forces of the last step would change velocities by. Collective.
-    fn by_last_contacts(&self, state: &State<D>, step: f64) -> Vec<SVector<f64, D>> {
+    fn by_last_contacts(&self, state: &State<D>, push: f64) -> Vec<SVector<f64, D>> {
         let (peers, numbers) = (self.peers(), state.numbers());
         let halo = Halo::of_numbers(peers, &numbers, state.contact_history.iter().flat_map(|contact| bodies_of(contact.identity())));
         let balls = halo.spread_balls(peers, &state.balls(&self.radii));
@@ -376,7 +376,7 @@ impl<const D: usize> Granular<D> {
         for history in &state.contact_history {
             let identity = renamed(history.identity(), |number| halo.place(number).expect("bodies of contacts are seen"));
             let contact = Contact::again(&self.domain, &balls, identity);
-            let push = contact.normal * (history.force * step);
+            let push = contact.normal * (history.force * push);
             changes[contact.body] -= push;
             if let Some(other) = contact.other() {
                 changes[other] += push;
@@ -418,12 +418,12 @@ impl<const D: usize> Granular<D> {
     }
 
     /// Contacts of own bodies that may pull, each with the least force that it may bear; bodies are named by their numbers.
-    fn lower_bounds(&self, state: &State<D>, step: f64) -> Vec<ContactForce<D>> {
+    fn lower_bounds(&self, state: &State<D>, push: f64) -> Vec<ContactForce<D>> {
         if !self.peers().any(!state.adhesive_contacts.is_empty()) {
             return Vec::new();
         }
         let near = self.neighbours(self.peers(), state, &state.adhesive_contacts);
-        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.adhesive_contacts, step);
+        let bounds = self.interactions.lower_bounds(&near.arrangement(&self.domain, self.reach, state.time), &near.adhesive_contacts, push);
         near.own_contacts(bounds)
     }
 }
@@ -495,16 +495,15 @@ impl<const D: usize> Stepper<D> for Granular<D> {
 
     fn advance(&mut self, state: &State<D>, _: &Observation<D>, step: f64, _: ResidualMonitor) -> Result<StepOutcome<D>> {
         let start = Instant::now();
-        let push = self.push(state.last_step, step);
-        let mut moves = self.without_contacts(state, step, push);
+        let length = GranularStep { length: step, push: self.push(state.last_step, step) };
+        let mut moves = self.without_contacts(state, length);
         if let Some(wall) = &self.wall {
-            return self.advance_under_load(state, wall, &moves, GranularStep { length: step, push });
+            return self.advance_under_load(state, wall, &moves, length);
         }
         let rubs = self.interactions.friction().is_some();
         if rubs && !self.interactions.tie() {
-            return self.advance_with_friction(state, &moves, step);
+            return self.advance_with_friction(state, &moves, length);
         }
-        let length = GranularStep { length: step, push };
         let rubbing = rubs.then(|| self.rub(state, &moves, length));
         let rubbed = rubbing.as_ref().map(|rubbing| &rubbing.changes[..]);
         moves.iter_mut().zip(rubbed.unwrap_or_default()).for_each(|(twist, change)| twist.spin += change.spin);

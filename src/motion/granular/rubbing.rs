@@ -34,7 +34,7 @@ pub(super) struct Rubbing<const D: usize> {
     pub changes: Vec<Twist<D>>,
     /// The same of all bodies.
     all: Vec<Twist<D>>,
-    step: f64,
+    step: GranularStep,
     bodies: AllBodies<D>,
     rigid: Vec<RigidTwists<D>>,
     rows: Vec<Row<D>>,
@@ -51,7 +51,7 @@ impl<const D: usize> Granular<D> {
         let wanted: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
         let mut known: BTreeMap<Identity<D>, ContactWrench<D>> = BTreeMap::new();
         let last = state.whole_contact_history(self.session.world());
-        let mut rubbing = Rubbing::none(moves.len(), step.length);
+        let mut rubbing = Rubbing::none(moves.len(), step);
         for round in 0..ROUNDS {
             let turned: Vec<Twist<D>> = moves.iter().zip(&rubbing.changes).map(|(twist, change)| spun(twist, change)).collect();
             let ties = Ties::new(peers, &self.interactions, (state, &self.bodies), &turned, step);
@@ -103,7 +103,7 @@ impl<const D: usize> Granular<D> {
 }
 
 impl<const D: usize> Rubbing<D> {
-    fn none(own: usize, step: f64) -> Rubbing<D> {
+    fn none(own: usize, step: GranularStep) -> Rubbing<D> {
         let (bodies, changes) = (AllBodies::default(), vec![Twist::zero(); own]);
         Rubbing {
             changes,
@@ -122,14 +122,14 @@ impl<const D: usize> Rubbing<D> {
     /// Takes the contacts that are known and those that come near; whether there are new ones. Bodies of a bond do not rub on each other.
     fn meet(&mut self, granular: &Granular<D>, known: &mut BTreeMap<Identity<D>, ContactWrench<D>>) -> bool {
         let bodies = &self.bodies;
-        let weights: Vec<f64> = bodies.masses.iter().map(|[mass, _]| mass / self.step).collect();
+        let weights: Vec<f64> = bodies.masses.iter().map(|[mass, _]| mass / self.step.push).collect();
         let problem = Problem {
             domain: &granular.domain,
             numbers: None,
             balls: &bodies.balls,
             weights: &weights,
             velocities: &bodies.held,
-            step: self.step,
+            step: self.step.length,
             lower_bounds: &[],
             cluster_of: granular.interactions.cluster_of(),
             wall: None,
@@ -149,10 +149,10 @@ impl<const D: usize> Rubbing<D> {
     }
 
     fn problem<'a>(&'a self, granular: &'a Granular<D>) -> TiedFriction<'a, D> {
-        let (AllBodies { balls, masses, twists, .. }, step) = (&self.bodies, self.step);
+        let (AllBodies { balls, masses, twists, .. }, GranularStep { length: step, push: duration }) = (&self.bodies, self.step);
         let (domain, tolerance) = (&granular.domain, granular.friction_tolerance());
         let island =
-            FrictionIsland { domain, balls, masses, twists, step, contacts: &self.contacts, laws: &self.laws, duration: step, wall: None };
+            FrictionIsland { domain, balls, masses, twists, step, contacts: &self.contacts, laws: &self.laws, duration, wall: None };
         TiedFriction { island, rigid: &self.rigid, ties: &self.rows, tolerance }
     }
 
@@ -162,14 +162,14 @@ impl<const D: usize> Rubbing<D> {
         for (contact, wrench) in self.contacts.iter().zip(&self.wrenches) {
             for (body, push) in wrench.on_bodies(contact, &self.bodies.balls) {
                 let [mass, inertia] = self.bodies.masses[body];
-                all[body].velocity += push.velocity * (self.step / mass);
-                all[body].spin += push.spin * (self.step / inertia);
+                all[body].velocity += push.velocity * (self.step.push / mass);
+                all[body].spin += push.spin * (self.step.push / inertia);
             }
         }
         let radii = self.bodies.balls.iter().map(|ball| ball.radius);
         let unit = radii.fold(f64::INFINITY, f64::min);
         let moved = |(one, other): (&Twist<D>, &Twist<D>)| {
-            ((one.velocity - other.velocity).norm() / unit + (one.spin - other.spin).norm()) * self.step
+            ((one.velocity - other.velocity).norm() / unit + (one.spin - other.spin).norm()) * self.step.length
         };
         self.all.resize(all.len(), Twist::zero());
         // of all bodies: every rank goes on as long as the others

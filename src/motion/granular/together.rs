@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{SMatrix, SVector};
 
-use super::ties::Ties;
+use super::{chains::GranularStep, ties::Ties};
 use crate::{
     body::{RigidFunctional, Row},
     contact::{
@@ -32,7 +32,7 @@ pub struct Wanting<'a, const D: usize> {
     pub balls: &'a [Ball<D>],
     pub masses: &'a [f64],
     pub velocities: &'a [SVector<f64, D>],
-    pub step: f64,
+    pub step: GranularStep,
 }
 
 /// Bodies of all ranks, in the order of their numbers.
@@ -75,7 +75,7 @@ impl<const D: usize> Together<D> {
             |RigidBalls(balls): RigidBalls<D>| RigidBalls(balls.into_iter().map(|(number, moved)| (bodies.place(number), moved)).collect());
         let rigid: Vec<RigidBalls<D>> = clusters.into_iter().map(rigid).collect();
         let Gathered { weights, velocities, .. } = &bodies;
-        let problem = TiedProblem { weights, velocities, ties: &ties, rigid: &rigid, contacts: &contacts, step: own.step };
+        let problem = TiedProblem { weights, velocities, ties: &ties, rigid: &rigid, contacts: &contacts, step: own.step.length };
         let found = problem.changes(peers.rank(), peers.count());
         if peers.any(found.is_none()) {
             return None;
@@ -119,7 +119,7 @@ impl<const D: usize> Wanting<'_, D> {
         Gathered {
             numbers: bodies.iter().map(|body| body[0] as usize).collect(),
             balls: bodies.iter().map(|body| Ball { center: vector(&body[3..]), radius: body[2] }).collect(),
-            weights: bodies.iter().map(|body| body[1] / self.step).collect(),
+            weights: bodies.iter().map(|body| body[1] / self.step.push).collect(),
             velocities: bodies.iter().map(|body| vector(&body[3 + D..])).collect(),
         }
     }

@@ -29,7 +29,7 @@ impl<const D: usize> Granular<D> {
         let (wanted, mut changes) = (velocities(&moves), vec![SVector::zeros(); moves.len()]);
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
-            let kept = self.keep_apart(state, ties.as_mut(), (&moves, rubbed), step)?;
+            let kept = self.keep_apart(state, ties.as_mut(), (&moves, rubbed), length)?;
             active_contacts = apply(&kept.projection, &mut moves);
             (adhesive_contacts, changes) = (kept.adhesive_contacts, kept.changes);
             kkt_report = Some(kept.projection.projection.kkt_report);

@@ -51,8 +51,8 @@ fn program<const D: usize>() -> Vec<Quantity<D>> {
             projected(view).map(|kept| kept.map_or(0.0, |kept| kept.kkt_residual))
         })
         .of_run(),
-        Quantity::new("contact_force", "force", "sum of the contact forces; those that push are positive", |view| {
-            projected(view).map(|kept| kept.map_or(0.0, |kept| kept.total_force))
+        Quantity::new("contact_force", "force", "sum of the normal forces of contacts; those that push are positive", |view| {
+            projected(view).and_then(|_| Some(view.contacts()?.force))
         }),
         Quantity::new("contact_iterations", "", "iterations of the contact solver", |view| {
             projected(view).map(|kept| kept.map_or(0, |kept| kept.iterations))

@@ -15,7 +15,7 @@ use crate::run::outputs::context::{Context, Wanted, boxed};
 use crate::run::outputs::frames::frame_due;
 use crate::run::outputs::step_table::StepTable;
 use crate::{
-    contact::{Contact, Identity, bodies_of, renamed},
+    contact::{Contact, bodies_of, renamed},
     error::{Error, Result},
     flow::Drive,
     geometry::{Ball, Domain},
@@ -25,6 +25,7 @@ use crate::{
     parallel::World,
     run::{FlowView, MotionView, Output, View},
     scene::{ContactModel, Scene},
+    setup::ContactHistory,
 };
 
 /// The file with the slices of each frame.
@@ -224,15 +225,14 @@ impl<const D: usize> Bodies<D> {
 /// Contacts that bear a force and are this rank's to tell. Collective.
 fn contacts<const D: usize>(motion: &MotionView<D>, domain: &Domain<D>) -> Vec<ProfileContact<D>> {
     let history = motion.contact_history();
-    let own: Vec<(Identity<D>, f64)> =
-        history.iter().filter(|contact| motion.state().reports(contact.body)).map(|contact| (contact.identity(), contact.force)).collect();
-    let (halo, balls) = motion.simulation.halo_of(own.iter().flat_map(|(identity, _)| bodies_of(*identity)));
+    let own = || history.iter().filter(|contact| motion.state().reports(contact.body));
+    let (halo, balls) = motion.simulation.halo_of(own().flat_map(|contact| bodies_of(contact.identity())));
     let place = |number: usize| halo.place(number).expect("bodies of contacts are seen");
-    let contact = |(identity, force): (Identity<D>, f64)| {
-        let Contact { body, normal, separation, .. } = Contact::again(domain, &balls, renamed(identity, place));
-        ProfileContact { from: balls[body].center, normal, separation, force }
+    let contact = |history: &ContactHistory<D>| {
+        let Contact { body, normal, separation, .. } = Contact::again(domain, &balls, renamed(history.identity(), place));
+        ProfileContact { from: balls[body].center, normal, separation, force: normal * history.force + history.tangential }
     };
-    own.into_iter().map(contact).collect()
+    own().map(contact).collect()
 }
 
 /// Centres and velocities of the cells of this rank that no body holds. Collective.
