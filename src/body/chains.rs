@@ -36,7 +36,8 @@ pub struct ChainForm {
 pub fn place_chains<const D: usize>(
     domain: &Domain<D>,
     obstacles: &[Ball<D>],
-    (form, count): (&ChainForm, usize),
+    form: &ChainForm,
+    count: usize,
     gap: f64,
     seed: u64,
 ) -> Result<Vec<SVector<f64, D>>> {
@@ -242,8 +243,8 @@ mod tests {
         let domain = Domain { size: SVector::repeat(12.0), axes };
         let form = if ring { ChainForm::circle(0.5, 6, 1.05) } else { ChainForm::line(0.5, 6, 1.05) };
         let obstacle = [Ball { center: SVector::repeat(6.0), radius: 1.0 }];
-        let centers = place_chains(&domain, &obstacle, (&form, 6), 0.1, 3).unwrap();
-        assert_eq!(centers, place_chains(&domain, &obstacle, (&form, 6), 0.1, 3).unwrap());
+        let centers = place_chains(&domain, &obstacle, &form, 6, 0.1, 3).unwrap();
+        assert_eq!(centers, place_chains(&domain, &obstacle, &form, 6, 0.1, 3).unwrap());
         let balls: Vec<Ball<D>> = centers.iter().map(|&center| Ball { center: domain.wrap(center), radius: 0.5 }).chain(obstacle).collect();
         assert!(first_fault(&domain, &balls).is_none());
         for chain in centers.chunks(6) {
@@ -263,7 +264,7 @@ mod tests {
     #[test]
     fn cells_lie_in_any_direction_but_are_not_mirrored() {
         let domain = Domain { size: Vector2::repeat(30.0), axes: [Axis::Periodic, Axis::Periodic] };
-        let centers = place_chains(&domain, &[], (&ChainForm::cell(&Outline::default(), 0.15, 24, 0.315), 12), 0.1, 5).unwrap();
+        let centers = place_chains(&domain, &[], &ChainForm::cell(&Outline::default(), 0.15, 24, 0.315), 12, 0.1, 5).unwrap();
         for cell in centers.chunks(24) {
             let around: f64 = (0..24).map(|bead| (cell[bead] - cell[0]).perp(&(cell[(bead + 1) % 24] - cell[0]))).sum();
             assert!(around > 0.0, "{around}");
@@ -292,7 +293,7 @@ mod tests {
     fn long_chains_find_places_where_they_do_not_meet_their_own_images() {
         let domain = Domain { size: Vector2::repeat(300.0), axes: [Axis::Periodic, Axis::Periodic] };
         let form = ChainForm::line(0.1, 1400, 0.21);
-        let centers = place_chains(&domain, &[], (&form, 2), 0.1, 5).unwrap();
+        let centers = place_chains(&domain, &[], &form, 2, 0.1, 5).unwrap();
         let balls: Vec<Ball<2>> = centers.iter().map(|&center| Ball { center: domain.wrap(center), radius: 0.1 }).collect();
         assert!(first_fault(&domain, &balls).is_none());
     }
@@ -301,6 +302,6 @@ mod tests {
     fn a_full_box_is_refused() {
         let domain = Domain { size: SVector::<f64, 2>::repeat(4.0), axes: [Axis::Periodic, Axis::Periodic] };
         let form = ChainForm::line(0.5, 4, 1.05);
-        assert!(place_chains(&domain, &[], (&form, 20), 0.1, 3).is_err());
+        assert!(place_chains(&domain, &[], &form, 20, 0.1, 3).is_err());
     }
 }

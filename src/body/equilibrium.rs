@@ -33,7 +33,7 @@ pub fn equilibrium<const D: usize>(domain: &Domain<D>, radii: &[f64], gap: f64, 
         let body = random.random_range(0..balls.len());
         let step = SVector::from_fn(|_, _| (2.0 * random.random::<f64>() - 1.0) * LONGEST * balls[body].radius);
         let trial = domain.wrap(balls[body].center + step);
-        if fits((domain, &balls, &places), body, trial, gap) {
+        if fits(domain, &balls, &places, body, trial, gap) {
             places.remove(body, &balls[body]);
             balls[body].center = trial;
             places.insert(body, &balls[body]);
@@ -43,12 +43,7 @@ pub fn equilibrium<const D: usize>(domain: &Domain<D>, radii: &[f64], gap: f64, 
 }
 
 /// Whether a body at a place keeps its distance to all others and to walls.
-fn fits<const D: usize>(
-    (domain, balls, places): (&Domain<D>, &[Ball<D>], &Levels<D>),
-    body: usize,
-    place: SVector<f64, D>,
-    gap: f64,
-) -> bool {
+fn fits<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], places: &Levels<D>, body: usize, place: SVector<f64, D>, gap: f64) -> bool {
     let radius = balls[body].radius;
     let (reach, factor) = (radius * (1.0 + gap), 1.0 + 0.5 * gap);
     if (0..D).any(|axis| !domain.periodic(axis) && !(reach..=domain.size[axis] - reach).contains(&place[axis])) {
@@ -128,7 +123,7 @@ mod tests {
         let mut counts = [0; 2];
         for trial in 0..2000 {
             let (body, place) = (trial % balls.len(), anywhere());
-            let fit = fits((domain, &balls, &places), body, place, 0.1);
+            let fit = fits(domain, &balls, &places, body, place, 0.1);
             assert_eq!(fit, fits_among_all(domain, &balls, body, place, 0.1), "{:?} to {place:?}", balls[body]);
             counts[usize::from(fit)] += 1;
             places.remove(body, &balls[body]);

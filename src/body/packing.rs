@@ -38,7 +38,7 @@ pub fn pack_on<const D: usize>(
     for (body, &radius) in radii.iter().enumerate() {
         check_fit(domain, body, radius, gap)?;
     }
-    let search = Search::new(peers, domain, obstacles, (radii, gap), seed);
+    let search = Search::new(peers, domain, obstacles, radii, gap, seed);
     search.run().map_err(|scale| refusal(domain, radii, gap, scale))
 }
 
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn a_crowd_too_dense_is_refused_with_what_was_reached() {
         let (domain, radii) = (cube::<2>(false), equal::<2>(50, 0.95));
-        let mut search = Search::new(Peers::Alone, &domain, &[], (&radii, 0.01), 1);
+        let mut search = Search::new(Peers::Alone, &domain, &[], &radii, 0.01, 1);
         search.packing.effort = 10_000_000;
         let message = refusal(&domain, &radii, 0.01, search.run().unwrap_err()).to_string();
         assert!(message.starts_with("50 bodies that fill a fraction of 0.950 (0.960 with"), "{message}");

@@ -60,7 +60,7 @@ pub(super) struct Search<'a, const D: usize> {
 
 impl<'a, const D: usize> Search<'a, D> {
     /// Prepares the search; the arguments are those of [`super::pack`].
-    pub fn new(peers: Peers<'a>, domain: &'a Domain<D>, obstacles: &[Ball<D>], (radii, gap): (&'a [f64], f64), seed: u64) -> Self {
+    pub fn new(peers: Peers<'a>, domain: &'a Domain<D>, obstacles: &[Ball<D>], radii: &'a [f64], gap: f64, seed: u64) -> Self {
         let own_radii = radii.iter().copied();
         let swollen: Vec<_> = own_radii.chain(obstacles.iter().map(|ball| ball.radius)).map(|radius| radius * (1.0 + gap / 2.0)).collect();
         let (bodies, fixed) = swollen.split_at(radii.len());
@@ -241,7 +241,7 @@ mod tests {
         let mut domain = Domain { size: SVector::repeat(1.0), axes: [Axis::Periodic; D] };
         let radii = vec![0.5; count];
         domain.size *= (fraction(&domain, &radii) / asked).powf(1.0 / D as f64);
-        let mut search = Search::new(Peers::Alone, &domain, &[], (&radii, 0.02), 1);
+        let mut search = Search::new(Peers::Alone, &domain, &[], &radii, 0.02, 1);
         let effort = search.packing.effort;
         assert!(search.succeeds());
         (effort - search.packing.effort) as f64 / count as f64

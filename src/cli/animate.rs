@@ -33,8 +33,8 @@ pub fn animate(session: &Session, film: &AnimationArguments) -> Result<()> {
         let target = target(&film.out)?;
         let (scene, files) = scene_and_frames(film.folder)?;
         match scene.dimension() {
-            2 => write::<2>((&scene, &files), film, target)?,
-            _ => write::<3>((&scene, &files), film, target)?,
+            2 => write::<2>(&scene, &files, film, target)?,
+            _ => write::<3>(&scene, &files, film, target)?,
         }
         say(&film.out.display().to_string())
     };
@@ -70,13 +70,13 @@ fn target(out: &Path) -> Result<Target> {
 }
 
 /// Writes the animation; a video by way of an animated PNG beside it.
-fn write<const D: usize>(run: (&Scene, &[FrameFile]), film: &AnimationArguments, target: Target) -> Result<()> {
+fn write<const D: usize>(scene: &Scene, files: &[FrameFile], film: &AnimationArguments, target: Target) -> Result<()> {
     match target {
-        Target::Animation(format) => draw_frames::<D>(run, film, format, &film.out),
+        Target::Animation(format) => draw_frames::<D>(scene, files, film, format, &film.out),
         Target::Video(format) => {
             let stills = film.out.with_extension(format!("{}.png", std::process::id()));
-            let made =
-                draw_frames::<D>(run, film, AnimationFormat::Png, &stills).and_then(|()| convert_to_video(&stills, format, &film.out));
+            let made = draw_frames::<D>(scene, files, film, AnimationFormat::Png, &stills)
+                .and_then(|()| convert_to_video(&stills, format, &film.out));
             // what cannot be removed now is only in the way
             let _ = std::fs::remove_file(&stills);
             made
@@ -86,7 +86,8 @@ fn write<const D: usize>(run: (&Scene, &[FrameFile]), film: &AnimationArguments,
 
 /// Reads the frames twice, one at a time: for what their colours depend on, and to draw them.
 fn draw_frames<const D: usize>(
-    (scene, files): (&Scene, &[FrameFile]),
+    scene: &Scene,
+    files: &[FrameFile],
     arguments: &AnimationArguments,
     format: AnimationFormat,
     out: &Path,
@@ -101,7 +102,7 @@ fn draw_frames<const D: usize>(
             Colour::Speed | Colour::NonAffine | Colour::Vorticity => Vec::new(),
         };
         let wall = plane.wall(scene, stored.size.as_slice());
-        Ok(AnimationFrame { wall, ..plane.frame((stored.time, stored.offset.unwrap_or(0.0)), stored.bodies, &groups, flow) })
+        Ok(AnimationFrame { wall, ..plane.frame(stored.time, stored.offset.unwrap_or(0.0), stored.bodies, &groups, flow) })
     };
     let mut film = plane.film(scene);
     for file in files {

@@ -127,19 +127,19 @@ impl<const D: usize> Blocks<D> {
 
     /// `out = J u`, this rank's multipliers, for a vector of the grid's unknowns that are zero on walls.
     pub fn interpolate(&mut self, u: &Vector, out: &mut [f64]) -> Result<()> {
-        interpolate(&self.bodies, &mut self.read, (u, Walls::Still), None, out)
+        interpolate(&self.bodies, &mut self.read, u, Walls::Still, None, out)
     }
 
     /// As [`interpolate`](Self::interpolate), for a velocity that is that of the moving walls there.
     pub fn interpolate_with_walls(&mut self, u: &Vector, out: &mut [f64]) -> Result<()> {
-        interpolate(&self.bodies, &mut self.read, (u, Walls::Moving), None, out)
+        interpolate(&self.bodies, &mut self.read, u, Walls::Moving, None, out)
     }
 
     /// `out = J u + E c`, this rank's multipliers, for a vector of the grid's unknowns that are zero on walls.
     pub fn velocity(&mut self, u: &Vector, c: &Vector, out: &mut [f64]) -> Result<()> {
         let (others, own) = (self.multipliers.fetch(c)?, c.local()?);
         let all = Entries { own: &own, others };
-        interpolate(&self.bodies, &mut self.read, (u, Walls::Still), Some(all), out)?;
+        interpolate(&self.bodies, &mut self.read, u, Walls::Still, Some(all), out)?;
         for (body, range) in self.bodies.iter().zip(&self.ranges) {
             body.add_local(&own[range.clone()], all, &mut out[range.clone()]);
         }
@@ -221,7 +221,8 @@ impl<const D: usize> Blocks<D> {
 fn interpolate<const D: usize>(
     bodies: &[Box<dyn BodyBlocks<D>>],
     read: &mut Scatter,
-    (u, walls): (&Vector, Walls),
+    u: &Vector,
+    walls: Walls,
     c: Option<Entries>,
     out: &mut [f64],
 ) -> Result<()> {

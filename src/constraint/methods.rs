@@ -35,7 +35,8 @@ pub fn method_with_inertia<const D: usize>(
     epsilon: Option<f64>,
     precision: Precision,
     shift: f64,
-    (spin_up_of, inside): (Vec<f64>, Vec<bool>),
+    spin_up_of: Vec<f64>,
+    inside: Vec<bool>,
 ) -> Option<Rc<FlowMethod<D>>> {
     Some(match word {
         "sharp" => Rc::new(SharpWithInertia { precision, spin_up_of, inside }),

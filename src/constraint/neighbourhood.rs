@@ -30,7 +30,8 @@ impl<const D: usize> Neighbourhood<D> {
         balls: Vec<Ball<D>>,
         orders: Vec<usize>,
         reach: f64,
-        (own, middle): (&[usize], &SVector<f64, D>),
+        own: &[usize],
+        middle: &SVector<f64, D>,
     ) -> Neighbourhood<D> {
         let within_reach = within_reach(domain, &balls, reach, own, middle);
         let few: Vec<Ball<D>> = within_reach.iter().map(|&body| balls[body]).collect();
@@ -43,7 +44,7 @@ impl<const D: usize> Neighbourhood<D> {
     /// Bodies of one rank.
     pub fn alone(domain: &Domain<D>, balls: Vec<Ball<D>>, orders: Vec<usize>, reach: f64) -> Neighbourhood<D> {
         let all: Vec<usize> = (0..balls.len()).collect();
-        Neighbourhood::new(domain, balls, orders, reach, (&all, &(domain.size * 0.5)))
+        Neighbourhood::new(domain, balls, orders, reach, &all, &(domain.size * 0.5))
     }
 
     /// A reach beyond which neither films nor the approximate inverse know of a neighbour.

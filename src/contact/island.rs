@@ -39,7 +39,7 @@ pub(crate) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
         return Outcome::Solved { forces: vec![force.max(problem.lower_bound(contact))], iterations: 0, solver: Solver::Formula };
     }
     let bodies = free_bodies(problem, contacts);
-    solve_program(problem, contacts, guess, (&unit, program(problem, contacts, &bodies, &unit)), solvers)
+    solve_program(problem, contacts, guess, &unit, program(problem, contacts, &bodies, &unit), solvers)
 }
 
 /// The forces at the contacts of an island that all ranks solve together, from a guess. Collective: each rank gives the contacts of
@@ -59,14 +59,15 @@ pub(crate) fn solve_together<const D: usize>(
     let answered = contacts.iter().map(|contact| view.answers(contact.identity())).collect();
     let sharing = Sharing::new(session, &view.halo, &bodies, answered);
     let program = Program { sharing: Some(&sharing), ..program(problem, contacts, &bodies, &unit) };
-    solve_program(problem, contacts, guess, (&unit, program), &[Solver::Distributed])
+    solve_program(problem, contacts, guess, &unit, program, &[Solver::Distributed])
 }
 
 fn solve_program<const D: usize>(
     problem: &Problem<D>,
     contacts: &[Contact<D>],
     guess: &[f64],
-    (unit, program): (&Unit, Program),
+    unit: &Unit,
+    program: Program,
     solvers: &[Solver],
 ) -> Outcome {
     let in_units = |force: f64, contact: &Contact<D>| force / unit.force(problem, contact);

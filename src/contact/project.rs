@@ -162,7 +162,7 @@ impl<'a, const D: usize> ProjectionState<'a, D> {
             self.contacts.push(contact);
         }
         let placed: Vec<Contact<D>> = self.contacts.iter().map(|contact| view.placed(contact)).collect();
-        let found = solve_shared(self.peers, view, self.share, (&placed, &self.forces, earlier), solve)?;
+        let found = solve_shared(self.peers, view, self.share, &placed, &self.forces, earlier, solve)?;
         self.forces = found.forces;
         (self.iterations, self.solver) = (self.iterations.max(found.iterations), self.solver.max(found.solver));
         self.largest_island = self.largest_island.max(found.largest_island);

@@ -63,7 +63,9 @@ pub(super) fn solve_shared<const D: usize>(
     peers: Peers,
     view: &View<D>,
     share: &ProblemShare<D>,
-    (contacts, guess, earlier): (&[Contact<D>], &[f64], usize),
+    contacts: &[Contact<D>],
+    guess: &[f64],
+    earlier: usize,
     solve: IslandSolver<D>,
 ) -> Result<Shared> {
     if !peers.any(earlier < contacts.len()) {

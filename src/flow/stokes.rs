@@ -115,7 +115,7 @@ impl<const D: usize> Stokes<D> {
         match self.matrices.get() {
             Some(matrices) => Ok(matrices),
             None => {
-                let matrices = Matrices::new(&self.session, (&self.grid, self.shift), self.unshifted()?)?;
+                let matrices = Matrices::new(&self.session, &self.grid, self.shift, self.unshifted()?)?;
                 Ok(self.matrices.get_or_init(|| matrices))
             }
         }

@@ -44,7 +44,7 @@ impl Unshifted {
 
 impl Matrices {
     /// Assembles those of a shift. Collective.
-    pub fn new<const D: usize>(session: &Session, (grid, shift): (&Grid<D>, f64), unshifted: &Unshifted) -> Result<Matrices> {
+    pub fn new<const D: usize>(session: &Session, grid: &Grid<D>, shift: f64, unshifted: &Unshifted) -> Result<Matrices> {
         let mut laplacians: Vec<(usize, Rc<Matrix>)> = Vec::new();
         let mut laplacian_of = Vec::new();
         let shift_of = |field: usize| if field < D { shift } else { 0.0 };

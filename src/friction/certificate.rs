@@ -102,13 +102,13 @@ impl<const D: usize> Certified<'_, D> {
             .fold((0.0, 0.0), |(along, across), ([mass, inertia], arm)| (along + 1.0 / mass, across + 1.0 / mass + arm * arm / inertia));
         let norms: [f64; D] = std::array::from_fn(|axis| if axis == 0 { along.sqrt() } else { across.sqrt() });
         let scaled = |twists: &[Twist<D>]| -> [f64; D] {
-            let velocity = frame.velocity((self.domain, contact), twists, self.step);
+            let velocity = frame.velocity(self.domain, contact, twists, self.step);
             std::array::from_fn(|axis| velocity[axis] / norms[axis])
         };
         let (force, velocity, friction) = (frame.components(&wrench.force), scaled(self.ends), coefficient * norms[1] / norms[0]);
         let impulse = std::array::from_fn(|axis| force[axis] * self.duration * norms[axis]);
         Judged {
-            miss: natural_map(&impulse, &velocity, (friction, 0.0)),
+            miss: natural_map(&impulse, &velocity, friction, 0.0),
             unit: scaled(self.twists).iter().fold(0.0, |unit, wanted| unit.max(wanted.abs())),
             state: ContactState::of(&impulse, &velocity, friction),
         }

@@ -26,7 +26,7 @@ pub fn project<const D: usize>(force: [f64; D], friction: f64) -> [f64; D] {
 
 /// The largest component of the natural map of a force and a velocity, in rows of the same unit, with a coefficient and with what of a slip may open a contact.
 #[inline]
-pub fn natural_map<const D: usize>(force: &[f64; D], velocity: &[f64; D], (friction, dilation): (f64, f64)) -> f64 {
+pub fn natural_map<const D: usize>(force: &[f64; D], velocity: &[f64; D], friction: f64, dilation: f64) -> f64 {
     let mut aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);
     aim[0] -= (friction - dilation) * tangential_size(velocity);
     let next = project(aim, friction);
@@ -86,11 +86,11 @@ mod tests {
     #[test]
     fn the_natural_map_is_zero_just_where_a_contact_is_open_sticks_or_slips() {
         for (force, velocity) in [([0.0, 0.0], [0.3, 2.0]), ([1.0, 0.3], [0.0, 0.0]), ([1.0, -0.5], [0.0, 4.0])] {
-            assert!(natural_map(&force, &velocity, (0.5, 0.0)) < 1e-15, "{force:?} {velocity:?}");
+            assert!(natural_map(&force, &velocity, 0.5, 0.0) < 1e-15, "{force:?} {velocity:?}");
         }
-        assert!(natural_map(&[1.0, f64::NAN], &[0.0, 0.0], (0.5, 0.0)).is_nan());
+        assert!(natural_map(&[1.0, f64::NAN], &[0.0, 0.0], 0.5, 0.0).is_nan());
         for (force, velocity) in [([0.0, 0.0], [-0.3, 0.0]), ([1.0, 0.3], [0.0, 0.1]), ([1.0, 0.5], [0.0, 4.0]), ([1.0, 0.0], [0.1, 0.0])] {
-            assert!(natural_map(&force, &velocity, (0.5, 0.0)) > 1e-2, "{force:?} {velocity:?}");
+            assert!(natural_map(&force, &velocity, 0.5, 0.0) > 1e-2, "{force:?} {velocity:?}");
         }
     }
 
@@ -101,9 +101,9 @@ mod tests {
             ([1.0, 0.3], [0.0, 0.0], ContactState::Sticking),
             ([1.0, -0.5], [2.0, 4.0], ContactState::Slipping),
         ] {
-            assert!(natural_map(&force, &velocity, (0.5, 0.5)) < 1e-15, "{force:?} {velocity:?}");
+            assert!(natural_map(&force, &velocity, 0.5, 0.5) < 1e-15, "{force:?} {velocity:?}");
             assert_eq!(ContactState::by_projection(&[force[0] - velocity[0], force[1] - velocity[1]], 0.5), state);
         }
-        assert!(natural_map(&[1.0, -0.5], &[0.0, 4.0], (0.5, 0.5)) > 1e-2);
+        assert!(natural_map(&[1.0, -0.5], &[0.0, 4.0], 0.5, 0.5) > 1e-2);
     }
 }

@@ -46,7 +46,7 @@ impl<const D: usize> Frame<D> {
     }
 
     /// The velocity of the partner's surface relative to the body's.
-    pub fn slip(&self, (domain, contact): (&Domain<D>, &Contact<D>), twists: &[Twist<D>]) -> SVector<f64, D> {
+    pub fn slip(&self, domain: &Domain<D>, contact: &Contact<D>, twists: &[Twist<D>]) -> SVector<f64, D> {
         self.between(contact, twists) + carried(domain, contact)
     }
 
@@ -58,9 +58,9 @@ impl<const D: usize> Frame<D> {
     }
 
     /// The same along the axes, with the gap over the step along the normal: `u`.
-    pub fn velocity(&self, seen: (&Domain<D>, &Contact<D>), twists: &[Twist<D>], step: f64) -> [f64; D] {
-        let mut velocity = self.components(&self.slip(seen, twists));
-        velocity[0] += seen.1.gap / step;
+    pub fn velocity(&self, domain: &Domain<D>, contact: &Contact<D>, twists: &[Twist<D>], step: f64) -> [f64; D] {
+        let mut velocity = self.components(&self.slip(domain, contact, twists));
+        velocity[0] += contact.gap / step;
         velocity
     }
 
@@ -133,7 +133,7 @@ mod tests {
         assert!((frame.arms[0] + frame.arms[1] - contact.separation).abs() < 1e-15);
         let spin = skew(&[0.3, -0.2, 0.9]);
         let twists = centers.map(|center| Twist { velocity: spin * center, spin });
-        assert!(frame.slip((&domain, &contact), &twists).norm() < 1e-14);
+        assert!(frame.slip(&domain, &contact, &twists).norm() < 1e-14);
         let impulse = frame.axes[1] * 0.7 - frame.axes[2] * 0.4;
         // on the partner the lever points against the normal
         let torques = frame.torque(&-impulse, frame.arms[0]) + frame.torque(&impulse, -frame.arms[1]);

@@ -29,7 +29,7 @@ impl<const D: usize, const W: usize> FrictionProgram<D, W> {
         let force = &forces[place];
         let Limit { friction, load, dilation } = self.limit(place);
         if load == 0.0 && !self.follows(place) {
-            return natural_map(force, velocity, (friction, dilation));
+            return natural_map(force, velocity, friction, dilation);
         }
         let normal = forces[self.leader(place)][0];
         let aim: [f64; D] = std::array::from_fn(|axis| force[axis] - velocity[axis]);

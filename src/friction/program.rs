@@ -83,7 +83,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
         let mut ends: Vec<(usize, [[f64; W]; D])> = Vec::with_capacity(2);
         for (body, sign, arm) in [(Some(contact.body), -1.0, frame.arms[0]), (contact.other(), 1.0, frame.arms[1])] {
             let place = body.and_then(|body| free.binary_search(&carrier(self.wall, body)).ok());
-            ends.extend(place.zip(body).map(|(place, body)| (place, self.rows_of(&frame, body, (sign, arm)))));
+            ends.extend(place.zip(body).map(|(place, body)| (place, self.rows_of(&frame, body, sign, arm))));
         }
         let mut norms = [0.0; D];
         for (axis, norm) in norms.iter_mut().enumerate() {
@@ -95,7 +95,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
             ends.sort_by_key(|(place, _)| *place);
         }
         ends.iter_mut().for_each(|(_, rows)| (0..D).for_each(|axis| rows[axis].iter_mut().for_each(|entry| *entry /= norms[axis])));
-        let mut offset = frame.velocity((self.domain, contact), self.twists, self.step);
+        let mut offset = frame.velocity(self.domain, contact, self.twists, self.step);
         offset.iter_mut().zip(norms).for_each(|(offset, norm)| *offset /= norm);
         let end = |number: usize| ends.get(number).map_or(NONE, |end| end.0);
         let rows = |number: usize| ends.get(number).map_or([[0.0; W]; D], |end| end.1);
@@ -106,7 +106,7 @@ impl<const D: usize> FrictionIsland<'_, D> {
     }
 
     /// How the motion of a body, times roots of mass and inertia, changes the velocity of a contact.
-    fn rows_of<const W: usize>(&self, frame: &Frame<D>, body: usize, (sign, arm): (f64, f64)) -> [[f64; W]; D] {
+    fn rows_of<const W: usize>(&self, frame: &Frame<D>, body: usize, sign: f64, arm: f64) -> [[f64; W]; D] {
         let [mass, inertia] = self.masses[body];
         let mut rows = [[0.0; W]; D];
         for (axis, row) in rows.iter_mut().enumerate() {

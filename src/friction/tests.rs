@@ -136,11 +136,11 @@ fn disks_and_spheres_fall_on_a_floor_as_in_another_program() {
 #[test]
 fn the_interior_point_needs_no_guess_and_takes_a_good_one() {
     let program = disks().program::<3>(0.5);
-    let cold = follow(&program, &vec![[0.0; 2]; program.row_blocks.len()], (1.0, 1e-11));
+    let cold = follow(&program, &vec![[0.0; 2]; program.row_blocks.len()], 1.0, 1e-11);
     assert!(cold.residual <= FRICTION_TOLERANCE && cold.iterations <= 12, "{} {:e}", cold.iterations, cold.residual);
     let mut sweeps = Sweeps::new(&program, vec![[0.0; 2]; program.row_blocks.len()]);
     sweeps.run(1e-3, 1000);
-    let warm = follow(&program, &sweeps.forces, (1e-2, 1e-11));
+    let warm = follow(&program, &sweeps.forces, 1e-2, 1e-11);
     assert!(warm.residual <= FRICTION_TOLERANCE && warm.iterations < cold.iterations, "{} {:e}", warm.iterations, warm.residual);
     let motions = [cold.forces, warm.forces].map(|forces| program.motion(&forces));
     let apart = motions[0].as_flattened().iter().zip(motions[1].as_flattened()).map(|(one, two)| (one - two).abs()).fold(0.0, f64::max);
@@ -172,7 +172,7 @@ fn by_the_convex_law_motions_are_those_of_one_program() {
     fn solved<const D: usize, const W: usize>(mut program: FrictionProgram<D, W>) -> (FrictionProgram<D, W>, Vec<[f64; D]>) {
         program.row_blocks.iter_mut().for_each(|row_block| row_block.dilation = row_block.friction);
         let none = vec![[0.0; D]; program.row_blocks.len()];
-        let end = follow(&program, &none, (1.0, 1e-11));
+        let end = follow(&program, &none, 1.0, 1e-11);
         assert!(end.residual <= FRICTION_TOLERANCE && end.iterations <= 25, "{:e} after {}", end.residual, end.iterations);
         let mut sweeps = Sweeps::new(&program, none);
         sweeps.run(1e-10, 100_000);
@@ -260,7 +260,7 @@ fn a_rod_of_painleve_has_an_impulse() {
                 medium: Rc::new(Medium::none()),
                 modes: Vec::new(),
             };
-            let end = follow(&program, &[[0.0; 2]], (1.0, FRICTION_TOLERANCE));
+            let end = follow(&program, &[[0.0; 2]], 1.0, FRICTION_TOLERANCE);
             assert!(end.residual <= FRICTION_TOLERANCE, "angle {angle}, {part} of the limit, slip {slip}: {:e}", end.residual);
         }
     }
@@ -273,7 +273,7 @@ fn the_interior_point_solves_with_modes_of_the_mobility() {
         let count = program.row_blocks.len();
         let wave = |phase: f64| (0..count).map(|place| std::array::from_fn(|axis| (phase * (D * place + axis) as f64).sin())).collect();
         program.modes = [(0.3, 0.7), (0.1, 1.9)].map(|(gain, phase)| MobilityMode { gain, rates: wave(phase) }).to_vec();
-        let end = follow(&program, &vec![[0.0; D]; count], (1.0, FRICTION_TOLERANCE));
+        let end = follow(&program, &vec![[0.0; D]; count], 1.0, FRICTION_TOLERANCE);
         assert!(end.residual <= FRICTION_TOLERANCE && end.iterations < 40, "{:e} after {}", end.residual, end.iterations);
         program.modes.clear();
         assert!(program.residual(&end.forces) > 1e-3);

@@ -142,14 +142,14 @@ impl<const D: usize> FrictionIsland<'_, D> {
         };
         let mut bounds: Vec<Bound> = row_blocks.iter().zip(self.laws).enumerate().map(bound).collect();
         for (leader, turn) in self.turns() {
-            row_blocks.push(self.turning_rows(&row_blocks[leader], (leader, turn), free));
+            row_blocks.push(self.turning_rows(&row_blocks[leader], leader, turn, free));
             bounds.push(bounds[leader]);
         }
         (row_blocks, bounds)
     }
 
     /// The rows of a turn, after the normal one of its contact.
-    fn turning_rows<const W: usize>(&self, leader: &RowBlock<D, W>, (place, turn): (usize, Turn), free: &[usize]) -> RowBlock<D, W> {
+    fn turning_rows<const W: usize>(&self, leader: &RowBlock<D, W>, place: usize, turn: Turn, free: &[usize]) -> RowBlock<D, W> {
         let (contact, law) = (&self.contacts[place], &self.laws[place]);
         let frame = Frame::new(contact, self.balls);
         let mut row_block = leader.clone();

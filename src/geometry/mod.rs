@@ -23,4 +23,4 @@ pub use lees_edwards::LeesEdwards;
 pub use levels::Levels;
 pub use overlap::{InvalidConfiguration, first_fault};
 pub use pairs::{Pair, WallPair, near_pairs, near_walls, visit_near_pairs};
-pub use protocol::{Protocol, RateStep};
+pub use protocol::{Oscillation, Protocol, RateStep};

@@ -173,7 +173,9 @@ impl Protocol {
     /// the shortest of all if that is longer still.
     pub fn whole(&self, time: f64, longest: f64, unit: f64) -> f64 {
         match self {
-            Protocol::Oscillation { amplitude, frequency } => whole_of_oscillation((amplitude.abs(), *frequency), time, longest, unit),
+            Protocol::Oscillation { amplitude, frequency } => {
+                Oscillation { amplitude: amplitude.abs(), frequency: *frequency }.whole(time, longest, unit)
+            }
             _ => {
                 let rate = self.rate(time).abs();
                 if rate == 0.0 {
@@ -200,32 +202,45 @@ impl Protocol {
     }
 }
 
+/// `amplitude sin(2 pi frequency time)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oscillation {
+    /// The largest value.
+    pub amplitude: f64,
+    /// Cycles a time, positive.
+    pub frequency: f64,
+}
+
 fn step_at(steps: &[RateStep], time: f64) -> &RateStep {
     let over = |step: &RateStep| time >= step.until * (1.0 - SAME);
     &steps[steps.partition_point(over).min(steps.len() - 1)]
 }
 
-/// As [`Protocol::whole`], for an integral of `amplitude sin(2 pi frequency time)`.
-fn whole_of_oscillation((amplitude, frequency): (f64, f64), time: f64, longest: f64, unit: f64) -> f64 {
-    let passed = |time: f64| amplitude * (TAU * frequency * time).sin();
-    let soon = SAME / frequency * (1.0 + time * frequency) * 1e3;
-    let least = time + soon;
-    // times at which the integral is so many units: two in each cycle
-    let times = |units: f64| {
-        let ratio = (units * unit / amplitude).clamp(-1.0, 1.0);
-        let reached = (units * unit).abs() <= amplitude * (1.0 + SAME);
-        let rising = ratio.asin() / TAU;
-        reached.then(|| [rising, 0.5 - rising].map(|phase| phase / frequency)).into_iter().flatten()
-    };
-    let last_up_to = |phase: f64, end: f64| phase + ((end - phase) * frequency).floor() / frequency;
-    let first_from = |phase: f64| phase + ((least - phase) * frequency).ceil() / frequency;
-    let (end, units) = (time + longest, passed(time + longest) / unit);
-    let until = [units.floor(), units.ceil()].into_iter().flat_map(times).map(|phase| last_up_to(phase, end + soon)).fold(time, f64::max);
-    if until > least {
-        return until - time;
+impl Oscillation {
+    /// As [`Protocol::whole`].
+    fn whole(self, time: f64, longest: f64, unit: f64) -> f64 {
+        let Oscillation { amplitude, frequency } = self;
+        let passed = |time: f64| amplitude * (TAU * frequency * time).sin();
+        let soon = SAME / frequency * (1.0 + time * frequency) * 1e3;
+        let least = time + soon;
+        // times at which the integral is so many units: two in each cycle
+        let times = |units: f64| {
+            let ratio = (units * unit / amplitude).clamp(-1.0, 1.0);
+            let reached = (units * unit).abs() <= amplitude * (1.0 + SAME);
+            let rising = ratio.asin() / TAU;
+            reached.then(|| [rising, 0.5 - rising].map(|phase| phase / frequency)).into_iter().flatten()
+        };
+        let last_up_to = |phase: f64, end: f64| phase + ((end - phase) * frequency).floor() / frequency;
+        let first_from = |phase: f64| phase + ((least - phase) * frequency).ceil() / frequency;
+        let (end, units) = (time + longest, passed(time + longest) / unit);
+        let until =
+            [units.floor(), units.ceil()].into_iter().flat_map(times).map(|phase| last_up_to(phase, end + soon)).fold(time, f64::max);
+        if until > least {
+            return until - time;
+        }
+        let now = (passed(time) / unit).round();
+        [now - 1.0, now, now + 1.0].into_iter().flat_map(times).map(first_from).fold(f64::INFINITY, f64::min) - time
     }
-    let now = (passed(time) / unit).round();
-    [now - 1.0, now, now + 1.0].into_iter().flat_map(times).map(first_from).fold(f64::INFINITY, f64::min) - time
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ fn slope<const D: usize>(grid: &Grid<D>, field: usize, axis: usize, index: Index
     let Some(((plane, velocity), beyond, inward)) = wall else {
         visit(lattice(index, weight));
         visit(lattice(before, -weight));
-        return oblique_difference(grid, field, axis, (before, index)).for_each(visit);
+        return oblique_difference(grid, field, axis, before, index).for_each(visit);
     };
     let weights = AT_WALL.map(|part| part * weight * inward as f64);
     let mut position = grid.position(field, index);

@@ -77,7 +77,7 @@ impl<const D: usize> Grid<D> {
     /// Fewer than four cells along an axis, more unknowns than PETSc's indices can number, more of them on a rank than it can count, a rank
     /// count that does not fit, or images displaced by a part of a cell.
     pub fn new(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
-        Grid::with(domain, spacing, (ranks, rank), false)
+        Grid::with(domain, spacing, ranks, rank, false)
     }
 
     /// The same, with lines along y that are oblique where images are displaced by parts of a cell.
@@ -85,10 +85,10 @@ impl<const D: usize> Grid<D> {
     /// # Errors
     /// The same, but for such images.
     pub fn oblique(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize) -> Result<Grid<D>> {
-        Grid::with(domain, spacing, (ranks, rank), true)
+        Grid::with(domain, spacing, ranks, rank, true)
     }
 
-    fn with(domain: &Domain<D>, spacing: f64, (ranks, rank): (usize, usize), may_be_oblique: bool) -> Result<Grid<D>> {
+    fn with(domain: &Domain<D>, spacing: f64, ranks: usize, rank: usize, may_be_oblique: bool) -> Result<Grid<D>> {
         let cells: [usize; D] = cells_along(&domain.size, spacing).map(|cells| cells as usize).into();
         check_size(cells, spacing)?;
         let partition = Partition::new(cells, ranks)?;

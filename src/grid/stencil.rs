@@ -76,7 +76,7 @@ pub fn laplacian<const D: usize>(grid: &Grid<D>, field: usize, index: Index<D>, 
 /// [`laplacian`] takes it, and what the flow bends, which is put here: so the Laplacian stays symmetric, and no part of the mean momentum is lost.
 pub fn gradient<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) -> impl Iterator<Item = Term<D>> + use<D> {
     let along = difference(grid, axis, index, left_beside_walls(grid, axis, index));
-    along.into_iter().chain(oblique_difference(grid, D, axis, (moved(index, axis, -1), index)))
+    along.into_iter().chain(oblique_difference(grid, D, axis, moved(index, axis, -1), index))
 }
 
 /// What is left at a face of `axis` of any uniform force or gradient of the pressure along it: [`BESIDE_WALL`] at one wall.
@@ -145,7 +145,7 @@ pub fn divergence<const D: usize>(grid: &Grid<D>, axis: usize, index: Index<D>) 
     let weight = 1.0 / grid.spacing()[axis];
     let (lower, upper) = (index, moved(index, axis, 1));
     let term = |index, weight| Term { site: Site::Lattice { field: axis, index }, weight };
-    [term(lower, -weight), term(upper, weight)].into_iter().chain(oblique_difference(grid, axis, axis, (lower, upper)))
+    [term(lower, -weight), term(upper, weight)].into_iter().chain(oblique_difference(grid, axis, axis, lower, upper))
 }
 
 /// What a difference along `axis`, between two neighbours of a field, lacks of a derivative along that axis on oblique grids: along y, minus the slope
@@ -154,7 +154,8 @@ pub(super) fn oblique_difference<const D: usize>(
     grid: &Grid<D>,
     field: usize,
     axis: usize,
-    (lower, upper): (Index<D>, Index<D>),
+    lower: Index<D>,
+    upper: Index<D>,
 ) -> impl Iterator<Item = Term<D>> + use<D> {
     let weight = 0.25 * grid.slope() / grid.spacing()[0];
     let oblique = axis == 1 && weight != 0.0;

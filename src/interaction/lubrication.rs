@@ -55,7 +55,7 @@ impl<const D: usize> PairResistance<D> for Lubrication {
     }
 
     fn approach(&self, contact: &Contact<D>, of: &dyn Fn(usize) -> (f64, usize)) -> f64 {
-        approach::<D>(&self.tables, (of(contact.body), contact.other().map(of)), contact.gap, self.roughness).unwrap_or(0.0)
+        approach::<D>(&self.tables, of(contact.body), contact.other().map(of), contact.gap, self.roughness).unwrap_or(0.0)
     }
 
     fn resolved_at_walls(&self, neighbourhood: &Neighbourhood<D>, layout: &MultiplierLayout) -> LubricationPairs<D> {

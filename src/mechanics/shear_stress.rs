@@ -15,7 +15,7 @@ pub fn shear_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, co
     let of_contacts: SMatrix<f64, D, D> =
         contacts.iter().map(|contact| PairForce::from(contact).stress() + contact.stress_of_couple()).sum();
     let along = SVector::from_fn(|axis, _| if axis == 0 { 1.0 } else { 0.0 });
-    let loads = load_stress(setup, solution, (along, 1));
+    let loads = load_stress(setup, solution, along, 1);
     let others = [solution.pair_stress, solution.bond_stress, loads];
     let total = stresslets + of_contacts + others.into_iter().flatten().sum::<SMatrix<f64, D, D>>();
     let rate = setup.domain.protocol().map_or(0.0, |protocol| protocol.rate(setup.domain.time()));
@@ -27,7 +27,8 @@ pub fn shear_stress<const D: usize>(setup: &Setup<D>, solution: &Solution<D>, co
 pub fn load_stress<const D: usize>(
     setup: &Setup<D>,
     solution: &Solution<D>,
-    (flow, gradient): (SVector<f64, D>, usize),
+    flow: SVector<f64, D>,
+    gradient: usize,
 ) -> Option<SMatrix<f64, D, D>> {
     let walled = setup.domain.axes[gradient].walled();
     let across = SVector::<f64, D>::from_fn(|axis, _| if axis == gradient { 1.0 } else { 0.0 });

@@ -178,7 +178,7 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
             let last = Snapshot::of(&bodies, &fixed.session, configuration.centers, &found, fixed.condensed)?;
             self.recent.add(last, guess, configuration.time);
         }
-        let solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, configuration)?;
+        let solution = readback::solution(fixed, &bodies, &assembly, &pair_constraints, &constraints, found, configuration)?;
         (self.assembly, self.workspace) = (Some(assembly), Some(workspace));
         Ok(Solution { cost: self.cost, ..solution })
     }

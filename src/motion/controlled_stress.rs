@@ -84,7 +84,8 @@ impl<const D: usize> QuasiStatic<D> {
     pub(super) fn agree_at_stress(
         &mut self,
         stress: f64,
-        (state, tried): (&State<D>, Option<f64>),
+        state: &State<D>,
+        tried: Option<f64>,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
@@ -94,7 +95,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (tolerance, mut step) = (MISSED * self.solve_tolerance(state), 0.0);
         for trial in 0..MOST_TRIALS {
             self.turn_to_rate(state, rate * unit.signum())?;
-            let agreed = self.agree_at_rate((state, tried), trial > 0, effort, monitor)?;
+            let agreed = self.agree_at_rate(state, tried, trial > 0, effort, monitor)?;
             let found = shear_stress(self.suspension.setup(), &agreed.solution, &agreed.contacts) * unit.signum();
             if (found - size).abs() <= tolerance * size {
                 return Ok(agreed);

@@ -71,8 +71,9 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     }
 
     /// The same with more contacts, which bear no force yet.
-    fn with(self, immersed: ImmersedBodies<'a, D>, more: Vec<Contact<D>>, wrenches: &mut Vec<ContactWrench<D>>) -> Self {
+    fn with(self, more: Vec<Contact<D>>, wrenches: &mut Vec<ContactWrench<D>>) -> Self {
         let known: Wrenches<D> = self.contacts.contacts.iter().map(Contact::identity).zip(wrenches.iter().copied()).collect();
+        let immersed = self.contacts.immersed;
         let mut contacts = [self.contacts.contacts, more].concat();
         contacts.sort_by_key(Contact::identity);
         let rounds = Rounds::new(immersed, contacts, &known);
@@ -84,7 +85,8 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     fn agreed(
         &self,
         instant: &KnownInstant<D>,
-        (solution, twists): (Solution<D>, Vec<Twist<D>>),
+        solution: Solution<D>,
+        twists: Vec<Twist<D>>,
         wrenches: &[ContactWrench<D>],
         step_size: StepSize,
     ) -> Agreed<D> {
@@ -103,7 +105,9 @@ impl<'a, const D: usize, const W: usize> Rounds<'a, D, W> {
     fn out_of_patience(
         &self,
         instant: &KnownInstant<D>,
-        (round, step, residual): (usize, f64, f64),
+        round: usize,
+        step: f64,
+        residual: f64,
         best: &mut Option<Agreed<D>>,
         agreed: impl FnOnce() -> Agreed<D>,
     ) -> Result<Option<Agreed<D>>> {
@@ -185,23 +189,22 @@ impl<const D: usize> QuasiStatic<D> {
         let mut wrenches = wrenches_at(&rounds.contacts, &wrenches);
         if begins_on_springs(instant) {
             // of springs the step is a part
-            (solution, twists, wrenches) =
-                self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+            (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, step, self.tolerance_of(instant), effort, monitor)?;
         }
-        self.rounds_with_friction(instant, (immersed, rounds), (solution, twists, wrenches), step_size, effort, monitor)
+        self.rounds_with_friction(instant, rounds, (solution, twists, wrenches), step_size, effort, monitor)
     }
 
     /// Rounds of contacts and flow, from a flow with the wrenches of its contacts, until the law of friction is kept.
-    fn rounds_with_friction<'a, const W: usize>(
+    fn rounds_with_friction<const W: usize>(
         &mut self,
         instant: &KnownInstant<D>,
-        (immersed, mut rounds): (ImmersedBodies<'a, D>, Rounds<'a, D, W>),
+        mut rounds: Rounds<D, W>,
         (mut solution, mut twists, mut wrenches): FrictionFlow<D>,
         step_size: StepSize,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
-        let (state, step) = (instant.placed.state, immersed.step);
+        let (state, step) = (instant.placed.state, rounds.contacts.immersed.step);
         let agreement = if instant.interactions.resist() { AGREEMENT_IN_FILMS } else { AGREEMENT };
         let mut best = None;
         for round in 0..MOST_ROUNDS {
@@ -214,20 +217,20 @@ impl<const D: usize> QuasiStatic<D> {
                 let missing = self.missing(instant, &twists, step, &rounds.contacts)?;
                 if missing.is_empty() {
                     effort.contact += start.elapsed().as_secs_f64();
-                    return Ok(rounds.agreed(instant, (solution, twists), &wrenches, step_size));
+                    return Ok(rounds.agreed(instant, solution, twists, &wrenches, step_size));
                 }
-                rounds = rounds.with(immersed, missing, &mut wrenches);
+                rounds = rounds.with(missing, &mut wrenches);
                 residual = rounds.contacts.take(&wrenches, &twists);
             }
-            let agreed = || rounds.agreed(instant, (solution, twists), &wrenches, step_size);
-            if let Some(best) = rounds.out_of_patience(instant, (round, step, residual), &mut best, agreed)? {
+            let agreed = || rounds.agreed(instant, solution, twists, &wrenches, step_size);
+            if let Some(best) = rounds.out_of_patience(instant, round, step, residual, &mut best, agreed)? {
                 return Ok(best);
             }
             rounds.next();
             effort.contact += start.elapsed().as_secs_f64();
             self.stop.heed(self.session.world(), state.time)?;
             let tolerance = self.tolerance_of(instant).min((FOLLOWS * residual).max(agreement * rounds.tightest()));
-            (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, (step, tolerance), effort, monitor)?;
+            (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, step, tolerance, effort, monitor)?;
         }
         Err(law_missed(state.time, step, rounds.contacts.take(&wrenches, &twists)))
     }
@@ -248,8 +251,7 @@ impl<const D: usize> QuasiStatic<D> {
         let mut contacts: Vec<Contact<D>> = memory.keys().map(|&identity| contact_again(placed, identity)).collect();
         contacts.sort_by_key(Contact::identity);
         let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
-        let (solution, twists, wrenches) =
-            self.flow_with_friction(instant, &rounds, (step, self.tolerance_of(instant)), effort, monitor)?;
+        let (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, step, self.tolerance_of(instant), effort, monitor)?;
         let wrenches = rounds.contacts.contacts.iter().map(Contact::identity).zip(wrenches).collect();
         let pushes = if begins_on_springs(instant) { Spring::pulled(&instant.springs, instant.pushes()) } else { instant.pushes() };
         let step_size = self.step_size(placed, &twists, &pushes, instant.tried)?;
@@ -261,7 +263,8 @@ impl<const D: usize> QuasiStatic<D> {
         &mut self,
         instant: &KnownInstant<D>,
         rounds: &Rounds<D, W>,
-        (step, tolerance): (f64, f64),
+        step: f64,
+        tolerance: f64,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<FrictionFlow<D>> {

@@ -47,6 +47,15 @@ struct Rounds<const D: usize> {
     iteration: ActiveSetIteration<ContactForce<D>>,
 }
 
+/// The flow of a round.
+struct RoundFlow<const D: usize> {
+    solution: Solution<D>,
+    /// How bodies move in it.
+    twists: Vec<Twist<D>>,
+    /// The step that follows.
+    step_size: StepSize,
+}
+
 impl<const D: usize> QuasiStatic<D> {
     /// Flow and frictionless contacts in turn.
     pub(super) fn agree_without_friction(
@@ -113,7 +122,7 @@ impl<const D: usize> QuasiStatic<D> {
         }
         // not the length, which the end of the run cuts short: a run that ends later must find the same
         rounds.step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
-        self.compare(instant, rounds, (solution, twists), (&loose, step_size), effort)
+        self.compare(instant, rounds, RoundFlow { solution, twists, step_size }, &loose, effort)
     }
 
     /// The contacts next to the velocities of a flow; where these differ, those that the next round holds.
@@ -121,11 +130,11 @@ impl<const D: usize> QuasiStatic<D> {
         &self,
         instant: &KnownInstant<D>,
         rounds: &mut Rounds<D>,
-        (mut solution, mut twists): (Solution<D>, Vec<Twist<D>>),
-        (loose, step_size): (&[ContactForce<D>], StepSize),
+        flow: RoundFlow<D>,
+        loose: &[ContactForce<D>],
         effort: &mut Effort,
     ) -> Result<Option<Agreed<D>>> {
-        let start = Instant::now();
+        let (start, RoundFlow { mut solution, mut twists, step_size }) = (Instant::now(), flow);
         rounds.active_contacts.iter_mut().zip(&solution.contact_forces).for_each(|(active, force)| active.force = *force);
         let contacts = self.contact_step(&instant.placed, rounds.step);
         let unpressed = contacts.without_contacts(velocities(&twists), rounds.active_contacts.iter().chain(loose));

@@ -30,7 +30,7 @@ pub use longest_step::{longest_granular_step, longest_step_in_flow};
 pub use quasi_static::QuasiStatic;
 pub use shift_period::ShiftPeriod;
 pub use simulation::{Simulation, StepReport};
-pub use step_control::{BodyMotion, StepControl, StepLimits, StepSize};
+pub use step_control::{BodyMotion, StepControl, StepLimits, StepSize, StepStart};
 pub use stepper::{Effort, Observation, StepOutcome, Stepper, StepperView};
 pub use stop_request::StopRequest;
 pub use travel::time_of_travel;

@@ -19,7 +19,7 @@ use super::{
     clusters::ClusterMotions,
     contact_step::ContactStep,
     implicit_springs::{LEAST, StepAhead},
-    step_control::{StepControl, StepSize},
+    step_control::{StepControl, StepSize, StepStart},
     stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
@@ -175,15 +175,16 @@ impl<const D: usize> QuasiStatic<D> {
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
         match self.suspension.setup().domain.protocol().and_then(|protocol| protocol.stress()) {
-            Some(stress) => self.agree_at_stress(stress, (state, tried), effort, monitor),
-            None => self.agree_at_rate((state, tried), false, effort, monitor),
+            Some(stress) => self.agree_at_stress(stress, state, tried, effort, monitor),
+            None => self.agree_at_rate(state, tried, false, effort, monitor),
         }
     }
 
     /// The same at the rate that box and drive have; solves go on `again` from those that tried another one.
     pub(super) fn agree_at_rate(
         &mut self,
-        (state, tried): (&State<D>, Option<f64>),
+        state: &State<D>,
+        tried: Option<f64>,
         again: bool,
         effort: &mut Effort,
         monitor: ResidualMonitor,
@@ -298,9 +299,10 @@ impl<const D: usize> Stepper<D> for QuasiStatic<D> {
 
     fn advance(&mut self, state: &State<D>, observation: &Observation<D>, length: f64, monitor: ResidualMonitor) -> Result<StepOutcome<D>> {
         let mut effort = Effort::default();
-        let mut moves = self.rule(state, (observation, length), &mut effort, monitor)?;
+        let mut moves = self.rule(state, observation, length, &mut effort, monitor)?;
         let reach = self.step_control.time.travel * self.time_of_travel(&self.placed(state), &moves);
-        let step = self.step_control.shortened((state.time, self.last_step(state)), length, reach);
+        let start = StepStart { time: state.time, last_step: self.last_step(state) };
+        let step = self.step_control.shortened(start, length, reach);
         let (step, shear) = self.shear_over(state, step);
         self.suspension.setup().trajectories.mean_twists(state.time, step).for_each(|(body, twist)| moves[body] = twist);
         let (mut placed, start) = (self.placed(state), Instant::now());

@@ -8,7 +8,7 @@ use super::{
     longest_step::{longest_step_in_flow, longest_step_of_protocol},
     quasi_static::{self, velocities},
     shift_period::ShiftPeriod,
-    step_control::StepControl,
+    step_control::{StepControl, StepStart},
     stepper::{Effort, Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
@@ -72,7 +72,7 @@ impl<const D: usize> Simulation<D> {
         let step_control = StepControl { time, shift_period: None, protocol: None, longest: setup.longest_step(), by_twos: false };
         let domain = setup.domain.clone();
         let (stepper, state) = granular::stepper(session, setup, step_control.clone());
-        Simulation::driven(session, stepper, (state, domain), step_control)
+        Simulation::driven(session, stepper, state, domain, step_control)
     }
 
     /// Bodies carried by Stokes flow. Where images slide, the step, if it is fixed, and the end slide them by whole cells.
@@ -87,16 +87,11 @@ impl<const D: usize> Simulation<D> {
         let state = State::start(bodies.iter().map(at_rest));
         let domain = suspension.setup().domain.clone();
         let stepper = quasi_static::stepper(session, suspension, step_control.clone());
-        Simulation::driven(session, stepper, (state, domain), step_control)
+        Simulation::driven(session, stepper, state, domain, step_control)
     }
 
     /// Bodies in a state that anything drives.
-    pub fn driven(
-        session: &Session,
-        stepper: Box<dyn Stepper<D>>,
-        (state, domain): (State<D>, Domain<D>),
-        step_control: StepControl,
-    ) -> Self {
+    pub fn driven(session: &Session, stepper: Box<dyn Stepper<D>>, state: State<D>, domain: Domain<D>, step_control: StepControl) -> Self {
         Simulation { session: session.clone(), state, stepper, domain, step_control, cut_short: false, halvings: 0, ahead: None }
     }
 
@@ -375,7 +370,8 @@ impl<const D: usize> Simulation<D> {
     /// The length to try after one, or shorter than that, that ended in an error.
     fn half_of(&mut self, error: Error, tried: f64) -> Result<f64> {
         let Some(step) = error.step_too_long().map(|step| step.min(tried)) else { return Err(error.at_time(self.state.time)) };
-        let half = self.step_control.half((self.state.time, self.state.last_step), step).filter(|_| self.halvings < MOST_HALVINGS);
+        let start = StepStart { time: self.state.time, last_step: self.state.last_step };
+        let half = self.step_control.half(start, step).filter(|_| self.halvings < MOST_HALVINGS);
         match half {
             Some(half) => {
                 self.halvings += 1;

@@ -48,6 +48,15 @@ pub struct BodyMotion<const D: usize> {
     pub acceleration: SVector<f64, D>,
 }
 
+/// Where a step starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepStart {
+    /// The time.
+    pub time: f64,
+    /// Length of the step before it; 0 if it is the first.
+    pub last_step: f64,
+}
+
 /// What limits a step besides the motions of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepLimits {
@@ -77,12 +86,12 @@ impl StepSize {
 }
 
 impl StepControl {
-    /// The next step for bodies that move so, each rank its own, from a time, after a last step (0 if it is the first), within limits. Collective.
+    /// The next step for bodies that move so, each rank its own, from a start, within limits. Collective.
     pub fn next<const D: usize>(
         &self,
         peers: Peers,
         motions: &[BodyMotion<D>],
-        (time, last_step): (f64, f64),
+        StepStart { time, last_step }: StepStart,
         StepLimits { stable, accurate, tried }: StepLimits,
     ) -> StepSize {
         let left = self.time.end - time;
@@ -105,8 +114,8 @@ impl StepControl {
         StepSize { length: if natural > left * (1.0 - ROUNDING) && !free_end { left } else { natural }, natural }
     }
 
-    /// A step from a time, after a last one, made shorter where it would carry bodies farther than the time `reach` does.
-    pub fn shortened(&self, (time, last_step): (f64, f64), step: f64, reach: f64) -> f64 {
+    /// A step from a start made shorter where it would carry bodies farther than the time `reach` does.
+    pub fn shortened(&self, StepStart { time, last_step }: StepStart, step: f64, reach: f64) -> f64 {
         match self.time.step {
             Step::Fixed(_) => step,
             Step::Auto => {
@@ -116,9 +125,8 @@ impl StepControl {
         }
     }
 
-    /// A step from a time half as long as one that led nowhere; none if that is the shortest. Where images have to slide by whole cells, after a last step, it
-    /// does.
-    pub fn half(&self, (time, last_step): (f64, f64), step: f64) -> Option<f64> {
+    /// A step from a start half as long as one that led nowhere; none if that is the shortest. Where images have to slide by whole cells, it does.
+    pub fn half(&self, StepStart { time, last_step }: StepStart, step: f64) -> Option<f64> {
         let least = if let Step::Fixed(whole) = self.time.step { SHORTEST_PART * whole * (1.0 - ROUNDING) } else { 0.0 };
         let Some(shift_period) = &self.shift_period else { return Some(0.5 * step).filter(|half| *half >= least) };
         let half = shift_period.within(time, 0.5 * step, self.multiple(time, last_step));
@@ -247,7 +255,8 @@ mod tests {
     }
 
     fn next(control: &StepControl, time: f64, last_step: f64, tried: f64) -> f64 {
-        control.next::<2>(Peers::Alone, &[], (time, last_step), StepLimits { stable: f64::INFINITY, accurate: f64::INFINITY, tried }).length
+        let limits = StepLimits { stable: f64::INFINITY, accurate: f64::INFINITY, tried };
+        control.next::<2>(Peers::Alone, &[], StepStart { time, last_step }, limits).length
     }
 
     #[test]
@@ -266,10 +275,11 @@ mod tests {
     #[test]
     fn half_a_step_slides_images_by_whole_cells_down_to_one() {
         let control = control(Step::Fixed(0.5), Some(0.1));
-        let halves: Vec<f64> = std::iter::successors(Some(0.5), |&step| control.half((0.0, 0.5), step)).collect();
+        let start = StepStart { time: 0.0, last_step: 0.5 };
+        let halves: Vec<f64> = std::iter::successors(Some(0.5), |&step| control.half(start, step)).collect();
         assert_eq!(halves.len(), 3);
         assert!((halves[1] - 0.2).abs() < 1e-12 && (halves[2] - 0.1).abs() < 1e-12);
-        assert_eq!(self::control(Step::Auto, None).half((0.0, 0.5), 0.5), Some(0.25));
+        assert_eq!(self::control(Step::Auto, None).half(start, 0.5), Some(0.25));
     }
 
     #[test]
@@ -277,7 +287,8 @@ mod tests {
         let protocol = Protocol::steps(&[(1.0, 1.0), (2.0, -1.0)]);
         let shift_period = Some(ShiftPeriod::changing(protocol, 0.1));
         let control = StepControl { shift_period, protocol: Some(protocol), ..control(Step::Auto, None) };
-        let halves = [0.9, 1.0, 1.3].map(|time| control.half((time, 0.1), 0.7).map(|half| (half * 1e9).round() / 1e9));
+        let half = |time: f64| control.half(StepStart { time, last_step: 0.1 }, 0.7).map(|half| (half * 1e9).round() / 1e9);
+        let halves = [0.9, 1.0, 1.3].map(half);
         assert_eq!(halves, [Some(0.3), Some(0.2), Some(0.3)]);
     }
 

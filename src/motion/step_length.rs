@@ -4,7 +4,7 @@ use nalgebra::SVector;
 
 use super::{
     quasi_static::{KnownInstant, Placed, QuasiStatic, velocities},
-    step_control::{StepLimits, StepSize},
+    step_control::{StepLimits, StepSize, StepStart},
     travel::{accurate_step, time_of_travel},
 };
 use crate::{
@@ -36,7 +36,7 @@ impl<const D: usize> QuasiStatic<D> {
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
         let last_step = if whole && self.step_control.protocol.is_none() { 0.0 } else { self.last_step(state) };
         let limits = StepLimits { stable, accurate, tried: tried.unwrap_or(f64::INFINITY) };
-        Ok(self.step_control.next::<D>(Peers::Alone, &[], (state.time, last_step), limits))
+        Ok(self.step_control.next::<D>(Peers::Alone, &[], StepStart { time: state.time, last_step }, limits))
     }
 
     /// The time in which the first body moves by its radius; with inertia in the fluid, whose levels stay where they are, relative to what goes along with

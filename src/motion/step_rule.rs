@@ -25,7 +25,8 @@ impl<const D: usize> QuasiStatic<D> {
     pub(super) fn rule(
         &mut self,
         state: &State<D>,
-        (observation, length): (&Observation<D>, f64),
+        observation: &Observation<D>,
+        length: f64,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {
@@ -44,7 +45,7 @@ impl<const D: usize> QuasiStatic<D> {
                 self.follow_images(state, length, factor, &mut moves);
                 Ok(moves)
             }
-            _ => self.midpoint(state, (observation, length), effort, monitor),
+            _ => self.midpoint(state, observation, length, effort, monitor),
         }
     }
 
@@ -74,7 +75,8 @@ impl<const D: usize> QuasiStatic<D> {
     fn midpoint(
         &mut self,
         state: &State<D>,
-        (observation, length): (&Observation<D>, f64),
+        observation: &Observation<D>,
+        length: f64,
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Vec<Twist<D>>> {

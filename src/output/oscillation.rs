@@ -5,7 +5,10 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use super::Columns;
-use crate::observe::statistics::{Harmonics, harmonics};
+use crate::{
+    geometry::Oscillation,
+    observe::statistics::{Harmonics, harmonics},
+};
 
 /// The answer of the shear stress, that on the walls where there are walls, to a strain `amplitude sin(w t)`, with `w = 2 pi frequency`: it is `amplitude (G' sin(w t) + G'' cos(w t))` and higher harmonics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -40,8 +43,9 @@ pub struct Modulus {
 }
 
 impl OscillationSummary {
-    /// That of the rows of a series in a fluid of a viscosity; nothing before a whole cycle.
-    pub fn of(series: &Columns, (amplitude, frequency): (f64, f64), viscosity: f64) -> Option<OscillationSummary> {
+    /// That of the rows of a series, of a strain that oscillates so, in a fluid of a viscosity; nothing before a whole cycle.
+    pub fn of(series: &Columns, strain: Oscillation, viscosity: f64) -> Option<OscillationSummary> {
+        let Oscillation { amplitude, frequency } = strain;
         let measured = if series.column("wall_stress").is_some() { "wall_stress" } else { "shear_stress" };
         let Harmonics { parts, cycles, from } = harmonics(&series.curve("time", measured), frequency)?;
         let modulus = |(part, half_width): (f64, Option<f64>)| Modulus {

@@ -101,6 +101,17 @@ struct Watch<'a> {
     monitor: &'a mut dyn FnMut(usize, f64),
 }
 
+/// What a solve is measured by.
+#[derive(Clone, Copy)]
+struct SolveMeasure {
+    /// Norm of a residual that is all rounding.
+    rounding: f64,
+    /// Norm over which residuals are told.
+    size: f64,
+    /// When it began.
+    start: Instant,
+}
+
 /// What a solve has come to.
 enum Verdict {
     /// The first guess is worse than none.
@@ -180,26 +191,26 @@ impl Krylov {
             system.apply(x, &mut rhs.like()?)?;
             return Ok(Report { residual: if norm > 0.0 { norm / size } else { 0.0 }, ..Report::default() });
         }
-        self.solve_with_restarts((rounding, size, start), system, rhs, x, monitor)
+        self.solve_with_restarts(SolveMeasure { rounding, size, start }, system, rhs, x, monitor)
     }
 
-    /// Solves, and again from what was reached, until the true residual, over `size`, is small enough or falls no more.
+    /// Solves, and again from what was reached, until the true residual, over its measure, is small enough or falls no more.
     fn solve_with_restarts(
         &mut self,
-        (rounding, size, start): (f64, f64, Instant),
+        measure: SolveMeasure,
         system: &mut dyn System,
         rhs: &Vector,
         x: &mut Vector,
         monitor: &mut dyn FnMut(usize, f64),
     ) -> Result<Report> {
-        let mut residual = rhs.like()?;
+        let (mut residual, size) = (rhs.like()?, measure.size);
         let (mut report, mut last, mut restarts) = (Report::default(), f64::INFINITY, 0);
         let mut passable: Option<(Vector, f64)> = None;
         loop {
-            self.set_stopping_rule(rounding, if restarts == 0 { 1.0 } else { AIM })?;
+            self.set_stopping_rule(measure.rounding, if restarts == 0 { 1.0 } else { AIM })?;
             self.call(system, rhs, x, Watch { scale: 1.0 / size, before: report.iterations, monitor })?;
             let truth = true_residual(system, rhs, x, &mut residual)? / size;
-            report = self.outcome(report.iterations, size, truth, start)?;
+            report = self.outcome(report.iterations, measure, truth)?;
             match self.verdict(truth, last, restarts)? {
                 Verdict::BadStart => {
                     // where all comes to rest, what is extrapolated is a worse start than none
@@ -273,13 +284,13 @@ impl Krylov {
 
     /// What a call came to, after so many iterations before it: the residual is the solver's, unless that is not the true one or the true one is
     /// above the tolerance.
-    fn outcome(&self, before: usize, size: f64, truth: f64, start: Instant) -> Result<Report> {
+    fn outcome(&self, before: usize, measure: SolveMeasure, truth: f64) -> Result<Report> {
         let (mut iterations, mut residual) = (0, 0.0);
         petsc!(KSPGetIterationNumber(self.solver.raw(), &mut iterations))?;
         petsc!(KSPGetResidualNorm(self.solver.raw(), &mut residual))?;
-        let estimate = residual / size;
+        let estimate = residual / measure.size;
         let residual = if truth <= self.settings.tolerance.min(SLACK * estimate) { estimate } else { truth };
-        Ok(Report { iterations: before + iterations as usize, residual, seconds: start.elapsed().as_secs_f64() })
+        Ok(Report { iterations: before + iterations as usize, residual, seconds: measure.start.elapsed().as_secs_f64() })
     }
 
     /// The error of a solve that came to this, after going on from a true residual of `last` (infinite if it did not go on).

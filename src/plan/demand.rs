@@ -73,7 +73,7 @@ fn squares<const D: usize>(scene: &Scene, domain: &Domain<D>, spacing: f64, numb
 /// Bytes and unknowns: of the grid, and of as many bodies as each group has beside one like its first.
 fn of_flow<const D: usize>(scene: &Scene, domain: &Domain<D>, grid: &Grid<D>, spacing: f64, numbers: &[f64]) -> [f64; 2] {
     let with = |bodies: Vec<SuspendedBody<D>>| {
-        let setup = Setup::with_bodies(scene, domain.clone(), spacing, (bodies, Trajectories::default()));
+        let setup = Setup::with_bodies(scene, domain.clone(), spacing, bodies, Trajectories::default());
         let counts = multiplier_counts(&setup, grid);
         let unknowns = (grid.fluid_unknowns() + counts.iter().sum::<usize>()) as f64;
         [bytes(&setup, grid, &counts, scene.time.is_some()), unknowns]

@@ -36,7 +36,7 @@ pub fn flow<const D: usize>(plan: &Plan<D>, setup: &Setup<D>, ranks: usize) -> R
     effects.extend(in_time(plan));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
     let closure_unknowns = MeanFlowConstraint::count(&setup.drive, &setup.domain);
-    Ok(on_mesh(effects, &grid, (unknowns, closure_unknowns), ranks))
+    Ok(on_mesh(effects, &grid, unknowns, closure_unknowns, ranks))
 }
 
 /// Inertia of fluid and bodies.
@@ -58,7 +58,7 @@ pub fn scalar<const D: usize>(setup: &ScalarSetup<D>, ranks: usize) -> Result<Pl
     ];
     effects.extend(["pressure", "gravity", "rotation", "motion in time"].map(Effect::off));
     let grid = Grid::new(&setup.domain, setup.spacing, ranks, 0)?;
-    Ok(on_mesh(effects, &grid, (unknowns, 0), ranks))
+    Ok(on_mesh(effects, &grid, unknowns, 0, ranks))
 }
 
 fn mesh(triangles: usize) -> String {
@@ -73,7 +73,7 @@ fn bodies(count: usize, more: &str) -> Effect {
 }
 
 /// A mesh, whose flow a grid shows.
-fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, (unknowns, closure_unknowns): (usize, usize), ranks: usize) -> PlanReport {
+fn on_mesh<const D: usize>(effects: Vec<Effect>, grid: &Grid<D>, unknowns: usize, closure_unknowns: usize, ranks: usize) -> PlanReport {
     let fluid = GridPlan {
         cells: grid.cells().to_vec(),
         asked: None,

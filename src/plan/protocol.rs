@@ -20,13 +20,13 @@ pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64) -> 
     let cell = domain.size[0] / cells_along(&domain.size, spacing)[0];
     let scheme = scene.time.as_ref().map_or(Scheme::TwoStep, |time| time.scheme);
     let unit = cell * ShiftPeriod::multiple(scheme, 0.0);
-    check(scene, slide.protocol, (cell, unit), scheme)?;
+    check(scene, slide.protocol, cell, unit, scheme)?;
     let mut domain = domain;
     domain.axes[1] = Axis::Sheared(LeesEdwards { protocol: slide.protocol.rounded(unit), ..slide });
     Ok(domain)
 }
 
-fn check(scene: &Scene, protocol: Protocol, (cell, unit): (f64, f64), scheme: Scheme) -> Result<()> {
+fn check(scene: &Scene, protocol: Protocol, cell: f64, unit: f64, scheme: Scheme) -> Result<()> {
     let key = "flow.drive.shear_rate";
     match protocol {
         Protocol::Steady(_) | Protocol::Stress { .. } => {}

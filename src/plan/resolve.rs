@@ -113,7 +113,7 @@ impl<const D: usize> Setup<D> {
         let welds = interactions::welds(scene, &placed);
         let groups: Vec<usize> = placed.iter().map(|&(group, _)| group).collect();
         let (spacing, bodies) = suspended_bodies(scene, &domain, placed)?;
-        let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, (bodies, trajectories)) };
+        let setup = Setup { inertia, ..Setup::with_bodies(scene, domain, spacing, bodies, trajectories) };
         let setup = match setup.may_be_oblique() {
             true => setup,
             false => Setup { domain: protocol::whole(scene, setup.domain, spacing)?, ..setup },
@@ -140,7 +140,8 @@ impl<const D: usize> Setup<D> {
         scene: &Scene,
         domain: Domain<D>,
         spacing: f64,
-        (bodies, trajectories): (Vec<SuspendedBody<D>>, Trajectories<D>),
+        bodies: Vec<SuspendedBody<D>>,
+        trajectories: Trajectories<D>,
     ) -> Setup<D> {
         let inverse = scene.method.inverse.unwrap_or_else(|| InverseMethod::fastest(&domain));
         let setup = Setup {

@@ -28,7 +28,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<
             let solution = &inclusions.solve(&mut monitor)?;
             drop(progress);
             let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
-            write(world, (scene, notes), folder, &SolvedScalar { setup, grid, solution, inverse: "direct", cost })
+            write(world, scene, notes, folder, &SolvedScalar { setup, grid, solution, inverse: "direct", cost })
         }
         _ => {
             let mut inclusions = Inclusions::new(session, setup)?;
@@ -36,7 +36,7 @@ pub fn run<const D: usize>(session: &Session, scene: &Scene, mut folder: Option<
             let solution = &inclusions.solve(&mut monitor)?;
             drop(progress);
             let (setup, grid, cost) = (inclusions.setup(), inclusions.grid(), inclusions.cost());
-            write(world, (scene, notes), folder, &SolvedScalar { setup, grid, solution, inverse: "hypre", cost })
+            write(world, scene, notes, folder, &SolvedScalar { setup, grid, solution, inverse: "hypre", cost })
         }
     }
 }
@@ -56,7 +56,8 @@ fn begin(world: &World, scene: &Scene, folder: &mut RunFolder) -> Result<Notes> 
 /// Writes what was solved.
 fn write<const D: usize>(
     world: &World,
-    (scene, notes): (&Scene, Option<Notes>),
+    scene: &Scene,
+    notes: Option<Notes>,
     folder: Option<RunFolder>,
     solved: &SolvedScalar<D>,
 ) -> Result<Finished> {

@@ -13,7 +13,7 @@ pub(in crate::scene) fn check(scene: &Scene) -> Result<()> {
         let key = format!("{}.region", scene.group_key(group));
         let size = &scene.domain.size;
         for (axis, &length) in size.iter().enumerate() {
-            check_axis(scene, region, &key, (axis, length))?;
+            check_axis(scene, region, &key, axis, length)?;
         }
         let torn = matches!(scene.flow.drive, Some(Drive::ShearedBox(_))) && region.spans(1, size[1]) && !region.spans(0, size[0]);
         let remedy = format!(
@@ -25,7 +25,7 @@ pub(in crate::scene) fn check(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-fn check_axis(scene: &Scene, region: &Region, key: &str, (axis, length): (usize, f64)) -> Result<()> {
+fn check_axis(scene: &Scene, region: &Region, key: &str, axis: usize, length: f64) -> Result<()> {
     let inside = region.lower[axis] >= 0.0 && region.upper[axis] <= length;
     let remedy = format!("leaves the box along {}, which goes from 0 to {length}", name(axis));
     expect(scene, inside, key, region.text(), &remedy)?;

@@ -79,7 +79,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
             (Some(form), Placement::Count(count)) => {
                 let room = Room::of(scene, domain, bodies)?;
                 let obstacles = room.obstacles(domain, given.iter().map(|&(_, ball): &(usize, Ball<D>)| ball));
-                let placed = place_chains(&room.domain, &obstacles, (form, *count), bodies.gap, scene.seed);
+                let placed = place_chains(&room.domain, &obstacles, form, *count, bodies.gap, scene.seed);
                 let centers =
                     placed.map_err(|error| scene.refuse(&format!("{}.count", scene.group_key(group)), count, &error.to_string()))?;
                 centers.into_iter().map(|center| Ball { center: center + room.start, radius: bodies.radius }).collect()
@@ -87,7 +87,7 @@ pub fn asked<const D: usize>(scene: &Scene, domain: &Domain<D>) -> Result<Asked<
             (form, _) => {
                 let balls = given_balls(bodies).map_err(|error| scene.unreadable(group, "file", error))?;
                 match (form, bodies.chain) {
-                    (Some(_), Some(chain)) if chain.shape != ChainShape::Cell => joined(scene, domain, group, (chain.beads, balls))?,
+                    (Some(_), Some(chain)) if chain.shape != ChainShape::Cell => joined(scene, domain, group, chain.beads, balls)?,
                     (Some(_), _) => about(scene, domain, group, &balls)?,
                     (None, _) => balls,
                 }
@@ -109,7 +109,7 @@ fn place<const D: usize>(peers: Peers, scene: &Scene, domain: &Domain<D>) -> Res
     let mut taken: Vec<Ball<D>> = balls.iter().map(|&(group, ball)| in_box(scene, domain, group, ball)).collect();
     let mut random: Vec<(usize, Ball<D>)> = Vec::new();
     for members in groups_of_one_region(scene, &counts) {
-        let placed = place_at_random(peers, scene, domain, (&members, &counts), &taken)?;
+        let placed = place_at_random(peers, scene, domain, &members, &counts, &taken)?;
         taken.extend(placed.iter().map(|&(_, ball)| ball));
         random.extend(placed);
     }
@@ -123,7 +123,8 @@ fn place_at_random<const D: usize>(
     peers: Peers,
     scene: &Scene,
     domain: &Domain<D>,
-    (members, counts): (&[usize], &[f64]),
+    members: &[usize],
+    counts: &[f64],
     taken: &[Ball<D>],
 ) -> Result<Vec<(usize, Ball<D>)>> {
     let of_group = |group: usize| scene.bodies[group].radii(D, counts[group] as usize).into_iter().map(move |radius| (group, radius));
@@ -258,13 +259,8 @@ fn about<const D: usize>(scene: &Scene, domain: &Domain<D>, group: usize, middle
 }
 
 /// Beads of given chains, each beside the one before it though the box may end between them.
-fn joined<const D: usize>(
-    scene: &Scene,
-    domain: &Domain<D>,
-    group: usize,
-    (beads, mut balls): (usize, Vec<Ball<D>>),
-) -> Result<Vec<Ball<D>>> {
-    if balls.len() % beads != 0 {
+fn joined<const D: usize>(scene: &Scene, domain: &Domain<D>, group: usize, beads: usize, mut balls: Vec<Ball<D>>) -> Result<Vec<Ball<D>>> {
+    if !balls.len().is_multiple_of(beads) {
         let remedy = format!("is not the number of beads of whole chains; its table has {} centres", balls.len());
         return Err(scene.refuse(&format!("{}.beads", scene.group_key(group)), beads, &remedy));
     }

@@ -135,8 +135,8 @@ impl<const D: usize> Setup<D> {
         let precision = Precision::for_tolerance(self.tolerance.at_an_instant());
         let method = match &self.inertia {
             Some(inertia) => {
-                let bodies = (self.spin_ups_of_rotations(inertia), self.inside(inertia, shift));
-                method_with_inertia(word, epsilon, precision, shift, bodies)
+                let (spin_up_of, inside) = (self.spin_ups_of_rotations(inertia), self.inside(inertia, shift));
+                method_with_inertia(word, epsilon, precision, shift, spin_up_of, inside)
             }
             None => method_of(word, epsilon, precision),
         };
@@ -239,11 +239,11 @@ impl<const D: usize> Setup<D> {
             Some((body, GivenPlace::steady(start(body), &suspended.body.given_motion()?, time)))
         };
         let mut places: Vec<_> = self.bodies.iter().enumerate().filter_map(steady).collect();
-        for (body, displacement) in self.trajectories.displacements(time) {
+        for (body, (displacement, angle)) in self.trajectories.displacements(time) {
             places
                 .iter_mut()
                 .filter(|(given, _)| *given == body)
-                .for_each(|(_, place)| *place = GivenPlace::displaced(start(body), displacement));
+                .for_each(|(_, place)| *place = GivenPlace::displaced(start(body), displacement, angle));
         }
         places
     }

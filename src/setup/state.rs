@@ -55,7 +55,7 @@ impl<const D: usize> GivenPlace<D> {
     }
 
     /// That of a body that started there and has gone this far.
-    pub fn displaced(start: SVector<f64, D>, (displacement, angle): (SVector<f64, D>, SMatrix<f64, D, D>)) -> GivenPlace<D> {
+    pub fn displaced(start: SVector<f64, D>, displacement: SVector<f64, D>, angle: SMatrix<f64, D, D>) -> GivenPlace<D> {
         GivenPlace { center: start + displacement, angle }
     }
 }

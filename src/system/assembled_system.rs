@@ -51,8 +51,8 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
     ) -> Result<Self> {
         let _stage = enter(Stage::Assembly);
         let assembly = Assembly::of(fixed, configuration.centers, assembly)?;
-        let places = (assembly.placed.clone(), assembly.neighbourhood.clone());
-        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), places, assembly.layout.clone());
+        let (placed, neighbourhood) = (assembly.placed.clone(), assembly.neighbourhood.clone());
+        let bodies = Bodies::new(&fixed.setup, &fixed.grid, &fixed.body_types, placed, neighbourhood, assembly.layout.clone());
         let operators = bodies.operators(&assembly.blocks, &assembly.damping);
         let mut guess = past.map_or(Ok(None), |past| past.guess(&bodies, configuration.centers, configuration.time))?;
         if let Some(fluid) = guess.as_mut().and_then(|guess| guess.extrapolated.fluid.as_mut())
@@ -97,7 +97,7 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
             prescribed_drag: self.prescribed_drag,
         };
         let KrylovWorkspace { krylov, work, rhs, x } = &mut self.workspace;
-        ((krylov, (rhs, x)), SystemParts { stokes: &fixed.stokes, inverse, surfaces, work })
+        (Solver { krylov, rhs, x }, SystemParts { stokes: &fixed.stokes, inverse, surfaces, work })
     }
 
     /// Solves; the velocities that are found include those of the flow without bodies.
@@ -109,34 +109,39 @@ impl<'a, const D: usize> AssembledSystem<'a, D> {
     ) -> Result<(Report, SolvedUnknowns)> {
         let _stage = enter(Stage::Orthogonalisation);
         let stop = self.stop;
-        let (solver, parts) = self.parts(fixed, inverse);
+        let (Solver { krylov, rhs, x }, parts) = self.parts(fixed, inverse);
         let (report, mut found) = match fixed.setup.constraint {
             ConstraintMethod::MeanValue(MultiplierSolver::Uzawa(step)) => {
-                let (_, vectors) = solver;
-                let by_uzawa =
-                    |system: &mut SchurComplement<D>, vectors: (&Vector, &mut Vector)| uzawa(system, vectors, (step, stop), monitor);
-                solve(vectors, SchurComplement::new(parts), by_uzawa)
+                solve(rhs, x, SchurComplement::new(parts), |system, rhs, x| uzawa(system, rhs, x, step, stop, monitor))
             }
-            _ if fixed.condensed => solve(solver.1, SchurComplement::new(parts), |system, (rhs, x)| {
-                solver.0.solve_above(stop.rounding, system, rhs, x, monitor)
-            }),
-            _ => solve(solver.1, Coupled(parts), |system, (rhs, x)| solver.0.solve_above(stop.rounding, system, rhs, x, monitor)),
+            _ if fixed.condensed => {
+                solve(rhs, x, SchurComplement::new(parts), |system, rhs, x| krylov.solve_above(stop.rounding, system, rhs, x, monitor))
+            }
+            _ => solve(rhs, x, Coupled(parts), |system, rhs, x| krylov.solve_above(stop.rounding, system, rhs, x, monitor)),
         }?;
         found.velocities.iter_mut().zip(&self.assembly.undisturbed).for_each(|(velocity, undisturbed)| *velocity += undisturbed);
         Ok((report, found))
     }
 }
 
-/// A solver, the right-hand side, and where it starts.
-type Solver<'a> = (&'a mut Krylov, (&'a Vector, &'a mut Vector));
+/// What solves.
+pub struct Solver<'a> {
+    /// The method.
+    pub krylov: &'a mut Krylov,
+    /// The right-hand side.
+    pub rhs: &'a Vector,
+    /// Where it starts, and what it finds.
+    pub x: &'a mut Vector,
+}
 
 fn solve<S: Operator>(
-    (rhs, x): (&Vector, &mut Vector),
+    rhs: &Vector,
+    x: &mut Vector,
     mut system: S,
-    by: impl FnOnce(&mut S, (&Vector, &mut Vector)) -> Result<Report>,
+    by: impl FnOnce(&mut S, &Vector, &mut Vector) -> Result<Report>,
 ) -> Result<(Report, SolvedUnknowns)> {
     let start = Instant::now();
-    let report = by(&mut system, (rhs, &mut *x))?;
+    let report = by(&mut system, rhs, x)?;
     let found = system.unknowns(x)?;
     Ok((Report { seconds: start.elapsed().as_secs_f64(), ..report }, found))
 }

@@ -62,7 +62,7 @@ impl<const D: usize> Assembly<D> {
         let neighbours = neighbours(&placed, &neighbourhood.pairs, method.reach() * fixed.grid.spacing().max());
         let Assembled { layout, blocks, new: assembled } =
             Assembled::new(&fixed.grid, &fixed.stokes.vector()?, method, &surrounded(&placed, &neighbours), earlier)?;
-        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), (placed.clone(), neighbourhood.clone()), layout);
+        let bodies = Bodies::new(&fixed.setup, &fixed.grid, &fixed.body_types, placed.clone(), neighbourhood.clone(), layout);
         let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
@@ -78,8 +78,8 @@ impl<const D: usize> Assembly<D> {
 
     /// Reads the flow without bodies on the surfaces.
     pub fn meet_flow(&mut self, fixed: &FixedOperators<D>) -> Result<()> {
-        let (places, layout) = ((self.placed.clone(), self.neighbourhood.clone()), self.layout.clone());
-        let bodies = Bodies::new((&fixed.setup, &fixed.grid, &fixed.body_types), places, layout);
+        let (placed, neighbourhood, layout) = (self.placed.clone(), self.neighbourhood.clone(), self.layout.clone());
+        let bodies = Bodies::new(&fixed.setup, &fixed.grid, &fixed.body_types, placed, neighbourhood, layout);
         let known = |body: usize, point: &SVector<f64, D>| {
             // a body that has left a sheared box goes on as fast as the image of the box in which it is
             fixed.background(point) + fixed.setup.domain.image_velocity(&self.centers[body])
@@ -137,5 +137,5 @@ fn neighbourhood<const D: usize>(fixed: &FixedOperators<D>, placed: &[Placed<D>]
     let reach = of_bodies.max(method.reach() * fixed.grid.spacing().max());
     let (grid, rank) = (&fixed.grid, fixed.session.world().rank());
     let own: Vec<usize> = (0..balls.len()).filter(|&body| grid.owner(&balls[body].center) == rank).collect();
-    Neighbourhood::new(&fixed.setup.domain, balls, orders, reach, (&own, &grid.middle()))
+    Neighbourhood::new(&fixed.setup.domain, balls, orders, reach, &own, &grid.middle())
 }

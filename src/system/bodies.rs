@@ -78,7 +78,7 @@ pub struct Bodies<'a, const D: usize> {
 }
 
 impl<const D: usize> BodyType<D> {
-    fn new((radius, order, density): (f64, usize, f64), setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
+    fn new(radius: f64, order: usize, density: f64, setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
         let surface = match setup.inertia {
             Some(_) => SurfaceTable::with_spin_up(radius, order, grid.mean_spacing()),
             None => SurfaceTable::new(radius, order, grid.mean_spacing()),
@@ -132,7 +132,7 @@ impl<const D: usize> BodyTypes<D> {
             let (radius, order) = (suspended.body.ball.radius, suspended.order);
             let density = setup.inertia.as_ref().map_or(0.0, |inertia| inertia.bodies[body]);
             *known.entry((radius.to_bits(), order, density.to_bits())).or_insert_with(|| {
-                body_types.push(BodyType::new((radius, order, density), setup, grid));
+                body_types.push(BodyType::new(radius, order, density, setup, grid));
                 body_types.len() - 1
             })
         };
@@ -210,8 +210,11 @@ fn ties_near<const D: usize>(setup: &Setup<D>) -> bool {
 impl<'a, const D: usize> Bodies<'a, D> {
     /// The bodies of a setup, shared out as `layout` says.
     pub fn new(
-        (setup, grid, body_types): (&'a Setup<D>, &'a Grid<D>, &'a BodyTypes<D>),
-        (placed, neighbourhood): (Rc<Vec<Placed<D>>>, Rc<Neighbourhood<D>>),
+        setup: &'a Setup<D>,
+        grid: &'a Grid<D>,
+        body_types: &'a BodyTypes<D>,
+        placed: Rc<Vec<Placed<D>>>,
+        neighbourhood: Rc<Neighbourhood<D>>,
         layout: MultiplierLayout,
     ) -> Self {
         Bodies { setup, grid, body_types, layout, placed, neighbourhood }

@@ -17,7 +17,8 @@ pub fn add_films<const D: usize>(
     world: &World,
     layout: &MultiplierLayout,
     films: &LubricationPairs<D>,
-    (forces, viscosity): (&[f64], f64),
+    forces: &[f64],
+    viscosity: f64,
     states: &mut [BodyState<D>],
     walls: &mut [[SVector<f64, D>; 2]; D],
 ) -> Lubrication<D> {

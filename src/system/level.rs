@@ -117,7 +117,7 @@ impl<const D: usize> Level<D> {
         modes.velocity_jumps(offsets, component, &mut jumps);
         let mut jumps: Vec<f64> = jumps.chunks_exact(count).map(|jumps| dot(jumps, &coefficients)).collect();
         if let Some(unsteady) = self.unsteady_jump(body_types, body) {
-            unsteady.add(modes.as_ref(), (offsets, component), &mut jumps);
+            unsteady.add(modes.as_ref(), offsets, component, &mut jumps);
         }
         jumps
     }
@@ -149,7 +149,7 @@ impl<const D: usize> Level<D> {
     /// The jumps in bodies by these multipliers of all of them.
     fn jumps(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, multipliers: &[Vec<f64>]) -> Band {
         let mut band = Band { slopes: vec![0.0; 2 * D * self.centers.len()], ..Band::default() };
-        multipliers.iter().enumerate().for_each(|(body, multipliers)| self.extend(grid, body_types, (body, multipliers), &mut band));
+        multipliers.iter().enumerate().for_each(|(body, multipliers)| self.extend(grid, body_types, body, multipliers, &mut band));
         band
     }
 
@@ -180,7 +180,7 @@ impl<const D: usize> Level<D> {
     }
 
     /// Adds the points inside a body with these multipliers near its surface, if it is this rank's.
-    fn extend(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, (body, multipliers): (usize, &[f64]), band: &mut Band) {
+    fn extend(&self, grid: &Grid<D>, body_types: &BodyTypes<D>, body: usize, multipliers: &[f64], band: &mut Band) {
         let surface = body_types.surface(body);
         let (radius, count) = (surface.modes.radius(), surface.modes.jump_count());
         let (whole, unsteady) = (self.coefficients(body, multipliers), self.unsteady_jump(body_types, body));
@@ -200,7 +200,7 @@ impl<const D: usize> Level<D> {
             let first = band.whole.len();
             band.whole.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &whole)));
             if let Some(unsteady) = &unsteady {
-                unsteady.add(surface.modes.as_ref(), (offsets, component), &mut band.whole[first..]);
+                unsteady.add(surface.modes.as_ref(), offsets, component, &mut band.whole[first..]);
             }
             band.tangential.extend(jumps.chunks_exact(count).map(|jumps| dot(jumps, &tangential)));
             let found = &band.tangential[band.tangential.len() - offsets.len() / D..];

@@ -41,6 +41,18 @@ pub struct Medium {
     pub by_pairs: bool,
 }
 
+/// Bodies at the ends of constraints.
+pub struct ConstrainedBodies<'a, S: Fn(usize) -> bool, U: Fn(usize) -> f64> {
+    /// Which rank has which of them.
+    pub layout: &'a MultiplierLayout,
+    /// Number of rigid modes of a body.
+    pub rigid: usize,
+    /// Whether the motion of a body is given.
+    pub stays: S,
+    /// Net force of a unit translation multiplier of a body, over that of a unit of a constraint's unknown.
+    pub unit: U,
+}
+
 /// The constraints of a solve that belong to this rank: contacts and relative modes of films.
 pub struct PairConstraints {
     /// Force, per unit viscosity, that a unit of an unknown stands for.
@@ -52,18 +64,20 @@ pub struct PairConstraints {
 }
 
 impl PairConstraints {
-    /// The constraints that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; bodies have so
-    /// many rigid modes, and those that stay have their motion given. Without a medium there is no constraint on any rank. Collective.
+    /// The constraints that touch this rank's bodies, in a system that has at least so many `places` for those that belong to it; a unit of
+    /// an unknown stands for the force `scale`, per unit viscosity. Without a medium there is no constraint on any rank. Collective.
     ///
     /// # Errors
     /// The approximation cannot be factored.
     pub fn new(
-        (session, layout): (&Session, &MultiplierLayout),
-        (scale, constraints): (f64, Vec<PairConstraint>),
-        (rigid, medium): (usize, Option<&Medium>),
-        (stays, unit): (impl Fn(usize) -> bool, impl Fn(usize) -> f64),
+        session: &Session,
+        bodies: ConstrainedBodies<impl Fn(usize) -> bool, impl Fn(usize) -> f64>,
+        scale: f64,
+        constraints: Vec<PairConstraint>,
+        medium: Option<&Medium>,
         places: usize,
     ) -> Result<Self> {
+        let ConstrainedBodies { layout, rigid, stays, unit } = bodies;
         let mut owned: Vec<PairConstraint> = constraints.iter().filter(|constraint| constraint.owned).cloned().collect();
         owned.shrink_to_fit();
         let symmetric = !constraints.iter().any(|constraint| !constraint.symmetric());

@@ -7,7 +7,7 @@ use super::{
     fixed_operators::FixedOperators,
     network::Resistances,
     pair_constraint::{ConstraintSide, PairConstraint, RigidVector},
-    pair_constraints::{Medium, PairConstraints},
+    pair_constraints::{ConstrainedBodies, Medium, PairConstraints},
 };
 use crate::{
     body::{RigidFunctional, Row, components},
@@ -69,10 +69,13 @@ pub fn pair_constraints<const D: usize>(
         }
         _ => medium,
     };
-    let stays = |body: usize| !fixed.setup.bodies[body].body.free();
-    let unit = |body: usize| fixed.body_types.rigid(body).force / scale;
-    let mut pair_constraints =
-        PairConstraints::new((&fixed.session, &bodies.layout), (scale, constraints), (RIGID[D], medium), (stays, unit), places)?;
+    let constrained = ConstrainedBodies {
+        layout: &bodies.layout,
+        rigid: RIGID[D],
+        stays: |body: usize| !fixed.setup.bodies[body].body.free(),
+        unit: |body: usize| fixed.body_types.rigid(body).force / scale,
+    };
+    let mut pair_constraints = PairConstraints::new(&fixed.session, constrained, scale, constraints, medium, places)?;
     pair_constraints.without(undisturbed)?;
     Ok(pair_constraints)
 }

@@ -17,8 +17,10 @@ use crate::{
 /// The solution, with the unknowns of this rank's contacts and films. Collective.
 pub fn solution<const D: usize>(
     fixed: &FixedOperators<D>,
-    (bodies, assembly): (&Bodies<D>, &Assembly<D>),
-    (pair_constraints, unknowns): (&PairConstraints, &[f64]),
+    bodies: &Bodies<D>,
+    assembly: &Assembly<D>,
+    pair_constraints: &PairConstraints,
+    unknowns: &[f64],
     found: SolvedUnknowns,
     configuration: &Configuration<D>,
 ) -> Result<Solution<D>> {
@@ -29,9 +31,9 @@ pub fn solution<const D: usize>(
     let contact_forces = shared(fixed, &bodies.layout, configuration.contacts, &mut forces);
     let bond_forces = shared(fixed, &bodies.layout, configuration.bonds, &mut forces);
     let film_forces: Vec<f64> = forces.collect();
-    let (world, layout, relative_modes) = (fixed.session.world(), &bodies.layout, (&film_forces[..], fixed.setup.viscosity));
-    let lubrication =
-        fixed.setup.interactions.resist().then(|| add_films(world, layout, &assembly.films, relative_modes, &mut states, &mut walls));
+    let (world, layout, viscosity) = (fixed.session.world(), &bodies.layout, fixed.setup.viscosity);
+    let films = || add_films(world, layout, &assembly.films, &film_forces, viscosity, &mut states, &mut walls);
+    let lubrication = fixed.setup.interactions.resist().then(films);
     Ok(Solution {
         lubrication,
         cost: Cost::default(),

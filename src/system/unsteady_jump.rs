@@ -49,7 +49,7 @@ impl<const D: usize> Level<D> {
 
 impl<const D: usize> UnsteadyJump<D> {
     /// Adds a component of it to jumps at offsets from the centre.
-    pub fn add(&self, modes: &dyn Modes, (offsets, component): (&[f64], usize), jumps: &mut [f64]) {
+    pub fn add(&self, modes: &dyn Modes, offsets: &[f64], component: usize, jumps: &mut [f64]) {
         let mut tractions = vec![0.0; self.coefficients.len() * D];
         for (jump, offset) in jumps.iter_mut().zip(offsets.chunks_exact(D)) {
             let offset = SVector::<f64, D>::from_column_slice(offset);

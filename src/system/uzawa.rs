@@ -32,8 +32,10 @@ const PART_OF_BOUND: f64 = 0.9;
 /// velocities that fixed bodies have to find.
 pub fn uzawa<const D: usize>(
     system: &mut SchurComplement<D>,
-    (rhs, x): (&Vector, &mut Vector),
-    (step, Stop { tolerance, rounding }): (Option<f64>, Stop),
+    rhs: &Vector,
+    x: &mut Vector,
+    step: Option<f64>,
+    Stop { tolerance, rounding }: Stop,
     monitor: ResidualMonitor,
 ) -> Result<Report> {
     let start = Instant::now();
@@ -42,10 +44,7 @@ pub fn uzawa<const D: usize>(
             "method.solver = \"uzawa\" supports no contacts and no mean velocity under a uniform force on fixed bodies; use \"krylov\"",
         ));
     }
-    let step = match step {
-        Some(step) => step,
-        None => PART_OF_BOUND * bound(system, x)?,
-    };
+    let step = step.map_or_else(|| bound(system, x).map(|bound| PART_OF_BOUND * bound), Ok)?;
     let (mut residual, scale) = (rhs.like()?, rhs.norm()?.max(rounding / tolerance).max(f64::MIN_POSITIVE));
     let mut first = 0.0;
     for iterations in 0..=MOST_ITERATIONS {

@@ -157,10 +157,23 @@ pub fn couette(session: &Session, discretisation: Discretisation, reynolds: f64,
     Ok((steps, ["spin over rate", "stress of the walls"].into_iter().enumerate().map(row).collect()))
 }
 
-pub fn sphere(
-    session: &Session,
-    (name, density, viscosity, speed, end): (&str, f64, f64, f64, f64),
-) -> Result<(usize, Vec<ComparisonRow>)> {
+/// A sphere that falls in a closed box.
+#[derive(Debug, Clone, Copy)]
+pub struct FallingSphere {
+    /// What the case is called.
+    pub name: &'static str,
+    /// Density of the fluid.
+    pub density: f64,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// The largest speed of the sphere.
+    pub speed: f64,
+    /// A time after it.
+    pub end: f64,
+}
+
+pub fn sphere(session: &Session, case: FallingSphere) -> Result<(usize, Vec<ComparisonRow>)> {
+    let FallingSphere { name, density, viscosity, speed, end } = case;
     let text = format!(
         "gravity = [0.0, 0.0, -9.81]\ndomain = {{ size = [0.1, 0.1, 0.16], x = \"walls\", y = \"walls\", z = \"walls\" }}\n\
          flow = {{ model = \"navier-stokes\", viscosity = {viscosity}, density = {density} }}\n\

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::{
     channel::{cylinder, vortices},
-    falling::{Discretisation, couette, settling, settling_in_a_channel, sphere},
+    falling::{Discretisation, FallingSphere, couette, settling, settling_in_a_channel, sphere},
     follow::ComparisonRow,
     kissing::kissing,
     oscillation::{Oscillation, oscillating},
@@ -16,12 +16,12 @@ use crate::{error::Result, output::say, petsc::Session};
 /// Reynolds number, spin over rate and stress of the walls of a free disk of radius 0.125 in a Couette cell of side 1.
 const COUETTE: [(f64, f64, f64); 3] = [(1.0, 0.4632696, 1.1076296), (2.0, 0.4322244, 1.1133937), (5.0, 0.3787468, 1.1252957)];
 
-/// Case, density, viscosity and largest speed of the sphere of ten Cate et al. (2002), Physics of Fluids 14, and an end after it.
-const SPHERE: [(&str, f64, f64, f64, f64); 4] = [
-    ("E1", 970.0, 0.373, 0.0363, 2.0),
-    ("E2", 965.0, 0.212, 0.0571, 1.5),
-    ("E3", 962.0, 0.113, 0.0869, 1.25),
-    ("E4", 960.0, 0.058, 0.1226, 1.05),
+/// The sphere of ten Cate et al. (2002), Physics of Fluids 14.
+const SPHERE: [FallingSphere; 4] = [
+    FallingSphere { name: "E1", density: 970.0, viscosity: 0.373, speed: 0.0363, end: 2.0 },
+    FallingSphere { name: "E2", density: 965.0, viscosity: 0.212, speed: 0.0571, end: 1.5 },
+    FallingSphere { name: "E3", density: 962.0, viscosity: 0.113, speed: 0.0869, end: 1.25 },
+    FallingSphere { name: "E4", density: 960.0, viscosity: 0.058, speed: 0.1226, end: 1.05 },
 ];
 
 /// Cases that are alike.
@@ -94,7 +94,7 @@ fn of_first_order(word: &'static str) -> Vec<Run> {
 fn arrays() -> Vec<Run> {
     let grids = ["sharp", "penalty"].into_iter().flat_map(|word| [(word, 4, 2), (word, 6, 3), (word, 8, 3)]);
     let of_grid = |(word, cells, numbers): (&'static str, usize, usize)| {
-        ARRAY[..numbers].iter().map(move |&case| run(move |session| array(session, (word, cells), case)))
+        ARRAY[..numbers].iter().map(move |&(reynolds, reference)| run(move |session| array(session, word, cells, reynolds, reference)))
     };
     grids.flat_map(of_grid).collect()
 }

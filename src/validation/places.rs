@@ -20,11 +20,7 @@ fn centers() -> Vec<[f64; 2]> {
 }
 
 /// The fixed disk of a square array at twelve places, by a method's word.
-pub fn array(
-    session: &Session,
-    (word, cells): (&'static str, usize),
-    (reynolds, reference): (f64, f64),
-) -> Result<(usize, Vec<ComparisonRow>)> {
+pub fn array(session: &Session, word: &'static str, cells: usize, reynolds: f64, reference: f64) -> Result<(usize, Vec<ComparisonRow>)> {
     let (viscosity, spacing) = (2.0 * RADIUS / reynolds, RADIUS / cells as f64);
     let (mut steps, mut found) = (0, Vec::new());
     for center in centers() {

@@ -14,7 +14,9 @@ use turbid::{
     error::{Error, Result},
     geometry::{Axis, Domain},
     interaction::Interactions,
-    motion::{Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, Stepper, StepperView, StopRequest},
+    motion::{
+        Effort, Observation, Simulation, StepControl, StepLimits, StepOutcome, StepReport, StepStart, Stepper, StepperView, StopRequest,
+    },
     parallel::Peers,
     petsc::Session,
     scene::{Scene, Scheme, Step, TimeSection},
@@ -56,7 +58,7 @@ impl Hurdles {
 impl Stepper<2> for Hurdles {
     fn evaluate(&mut self, state: &State<2>, longest: f64, _: ResidualMonitor) -> Result<Observation<2>> {
         let limits = StepLimits { stable: 1.0, accurate: f64::INFINITY, tried: longest };
-        let step_size = self.control.next::<2>(Peers::Alone, &[], (state.time, state.last_step), limits);
+        let step_size = self.control.next::<2>(Peers::Alone, &[], StepStart { time: state.time, last_step: state.last_step }, limits);
         if !self.late {
             self.refuse(state.time, step_size.natural)?;
         }
@@ -97,7 +99,7 @@ fn hurdles(session: &Session, step: Step, hurdles: &[[f64; 3]], late: bool) -> S
     let stepper = Hurdles { interactions: Interactions::default(), control: control.clone(), hurdles: hurdles.to_vec(), late };
     let domain = Domain { size: [4.0, 4.0].into(), axes: [Axis::Periodic, Axis::Periodic] };
     let state = State::start(std::iter::once((SVector::repeat(1.0), Twist::zero())));
-    Simulation::driven(session, Box::new(stepper), (state, domain), control)
+    Simulation::driven(session, Box::new(stepper), state, domain, control)
 }
 
 fn reports(simulation: &mut Simulation<2>) -> Result<Vec<StepReport>> {

@@ -117,7 +117,8 @@ pub fn films<const D: usize>(
             let table = tables.of::<D>(orders[ends[0]], Some((orders[ends[1]], large / small)));
             let offset = separation - (balls[ends[1]].center - balls[ends[0]].center);
             let other = Opposite::Body(ends[1], offset);
-            films.extend(film((&table, FilmTable::missing), (ends[0], small), (other, Some(large)), (separation, gap), roughness));
+            let sides = FilmSides { body: ends[0], radius: small, other, other_radius: Some(large), separation, gap };
+            films.extend(film(sides, &table, FilmTable::missing, roughness));
         }
     }
     films.extend(of_walls(neighbourhood, layout, tables, FilmTable::missing, roughness));
@@ -147,7 +148,8 @@ fn of_walls<const D: usize>(
         let mut separation = SVector::<f64, D>::zeros();
         separation[near.axis] = if near.upper { near.gap + radius } else { -near.gap - radius };
         let (table, other) = (tables.of::<D>(order, None), Opposite::Wall((near.axis, near.upper)));
-        film((&table, part), (near.body, radius), (other, None), (separation, near.gap / radius), roughness)
+        let sides = FilmSides { body: near.body, radius, other, other_radius: None, separation, gap: near.gap / radius };
+        film(sides, &table, part, roughness)
     };
     let near = neighbourhood
         .walls
@@ -160,7 +162,8 @@ fn of_walls<const D: usize>(
 /// is within reach; no gap counts as smaller than `roughness` radii.
 pub fn approach<const D: usize>(
     tables: &FilmTables,
-    (body, other): ((f64, usize), Option<(f64, usize)>),
+    body: (f64, usize),
+    other: Option<(f64, usize)>,
     gap: f64,
     roughness: f64,
 ) -> Option<f64> {
@@ -171,13 +174,30 @@ pub fn approach<const D: usize>(
     (effective_gap < table.reach()).then(|| table.missing(effective_gap).approach * radius.powi(D as i32 - 2))
 }
 
+/// Two surfaces between which there may be a film.
+struct FilmSides<const D: usize> {
+    /// The body; of two the smaller.
+    body: usize,
+    /// Its radius.
+    radius: f64,
+    /// What is on the other side.
+    other: Opposite<D>,
+    /// The radius of that, if it is a body.
+    other_radius: Option<f64>,
+    /// From the centre of the body to that of the other (the image that is near), or to the wall.
+    separation: SVector<f64, D>,
+    /// Distance of the surfaces, in radii of the body, before roughness.
+    gap: f64,
+}
+
+/// The film between two surfaces, with a part of its resistance, if they are within reach.
 fn film<const D: usize>(
-    (table, part): (&FilmTable, fn(&FilmTable, f64) -> Resistance),
-    (body, radius): (usize, f64),
-    (other, second): (Opposite<D>, Option<f64>),
-    (separation, gap): (SVector<f64, D>, f64),
+    sides: FilmSides<D>,
+    table: &FilmTable,
+    part: fn(&FilmTable, f64) -> Resistance,
     roughness: f64,
 ) -> Option<LubricationPair<D>> {
+    let FilmSides { body, radius, other, other_radius, separation, gap } = sides;
     let effective_gap = gap.max(roughness);
     if effective_gap >= table.reach() {
         return None;
@@ -185,7 +205,7 @@ fn film<const D: usize>(
     let missing = part(table, effective_gap);
     let normal = separation.normalize();
     // the middle of the film, so that a rigid motion of both sides has no rate
-    let levers = [radius * (1.0 + 0.5 * gap), second.map_or(0.0, |second| second + 0.5 * radius * gap)];
+    let levers = [radius * (1.0 + 0.5 * gap), other_radius.map_or(0.0, |other| other + 0.5 * radius * gap)];
     let unit = radius.powi(D as i32 - 2);
     let mut relative_modes = Vec::new();
     let mut add = |resistance: f64, sides: [RigidFunctional<D>; 2], stress: [SMatrix<f64, D, D>; 2], pressure: [f64; 2]| {

@@ -72,8 +72,10 @@ impl Pattern {
     /// Adds to `found`, at the places of the two bodies, the correction for `wanted` there.
     pub fn apply(
         &self,
-        (turns, values): (&[f32], &[f32]),
-        (wanted, places): (&[f64], [usize; 2]),
+        turns: &[f32],
+        values: &[f32],
+        wanted: &[f64],
+        places: [usize; 2],
         [rotated, answer]: &mut [Vec<f64>; 2],
         found: &mut [f64],
     ) {

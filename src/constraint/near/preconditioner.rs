@@ -121,8 +121,8 @@ impl PairPreconditioner {
         self.found.fill(0.0);
         let mut frame = [Vec::new(), Vec::new()];
         for pair in &self.pairs {
-            let matrices = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
-            pair.table.pattern.apply(matrices, (&self.wanted, pair.places), &mut frame, &mut self.found);
+            let (turns, values) = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
+            pair.table.pattern.apply(turns, values, &self.wanted, pair.places, &mut frame, &mut self.found);
         }
         Ok(&self.found[..self.local])
     }
@@ -139,12 +139,12 @@ impl PairPreconditioner {
             let [first, second] = pattern.counts();
             let places = [0, first];
             let (mut wanted, mut found) = (vec![0.0; first + second], vec![0.0; first + second]);
-            let matrices = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
+            let (turns, values) = (&self.turns[pair.starts.0..], &self.values[pair.starts.1..]);
             let mut forces = DMatrix::zeros(2 * rigid, 2 * rigid);
             for (column, place) in places.iter().flat_map(|place| *place..place + rigid).enumerate() {
                 wanted[place] = 1.0;
                 found.fill(0.0);
-                pattern.apply(matrices, (&wanted, places), &mut frame, &mut found);
+                pattern.apply(turns, values, &wanted, places, &mut frame, &mut found);
                 wanted[place] = 0.0;
                 for (body, place) in places.into_iter().enumerate() {
                     (0..rigid).for_each(|row| forces[(body * rigid + row, column)] = pair.areas[body] * found[place + row]);

@@ -111,7 +111,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
     pub fn own_block(&self, body: usize, jumps: &[Jumps], interpolated: &mut Interpolated) -> Option<LocalBlock> {
         let met = |component: usize, place: usize| self.nodes[component].outside[place];
         self.interpolate(jumps, |_| true, met, interpolated);
-        interpolated.block(self.placed, (body, self.placed), -1.0)
+        interpolated.block(self.placed, body, self.placed, -1.0)
     }
 
     /// The transposed block of E of a neighbour's jumps, zero in its core, if interpolation meets its inside.
@@ -138,7 +138,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
         };
         let met = |component: usize, place: usize| jumps[component].has(place);
         self.interpolate(jumps, near, met, interpolated);
-        interpolated.block(self.placed, (*body, neighbour), 1.0)
+        interpolated.block(self.placed, *body, neighbour, 1.0)
     }
 
     /// Interpolates jumps, at points that may be `near` them, over the nodes that are `met`.
@@ -218,7 +218,7 @@ impl Interpolated {
 
     /// The block of E of the jumps of a body, times `sign`, transposed: its modes down; modes of the surface across, or the values that are met
     /// if they are fewer.
-    fn block<const D: usize>(&self, placed: &Placed<D>, (body, of): (usize, &Placed<D>), sign: f64) -> Option<LocalBlock> {
+    fn block<const D: usize>(&self, placed: &Placed<D>, body: usize, of: &Placed<D>, sign: f64) -> Option<LocalBlock> {
         let (met, modes) = (self.rows.len(), of.surface.modes.jump_count());
         if met == 0 {
             return None;

@@ -50,7 +50,7 @@ impl<const D: usize> Method<D, Box<dyn BodyBlocks<D>>> for SharpWithInertia {
             let nodes = &assembled.nodes[..D];
             let interior = interior_force(grid, body.placed, nodes, self.spin_up_of[body.body]);
             let mean_motion = self.inside[body.body].then(|| MeanMotion::new(grid, body.placed, nodes));
-            Box::new(SpinningBody::new(assembled, (interior, mean_motion), &self.spin_up_of, &mut workspace))
+            Box::new(SpinningBody::new(assembled, interior, mean_motion, &self.spin_up_of, &mut workspace))
         };
         bodies.iter().map(of).collect()
     }
@@ -127,7 +127,8 @@ impl<const D: usize> SpinningBody<D> {
     /// Takes the columns of spin-ups out of the blocks of a body, and adds them to those of rotations.
     fn new(
         mut assembled: AssembledBody<D>,
-        (interior, mean_motion): (InteriorForce, Option<MeanMotion>),
+        interior: InteriorForce,
+        mean_motion: Option<MeanMotion>,
         spin_up_of: &[f64],
         workspace: &mut Workspace,
     ) -> Self {

@@ -29,7 +29,7 @@ impl CrossSection {
         }
         let points: usize = (0..D).filter(|&across| across != axis).map(|across| grid.cells()[across]).product();
         let mut minus_laplacian = SparseRows::default();
-        let load: Vec<f64> = (0..points).map(|point| push_row((grid, axis, shift), point, &mut minus_laplacian)).collect();
+        let load: Vec<f64> = (0..points).map(|point| push_row(grid, axis, shift, point, &mut minus_laplacian)).collect();
         let (flow, weights) = (solve(&minus_laplacian, &load), solve(&minus_laplacian, &vec![1.0; points]));
         let permeability = mean(&flow);
         Some(CrossSection { profile: flow.iter().map(|velocity| velocity / permeability).collect(), permeability, weights })
@@ -47,7 +47,7 @@ impl CrossSection {
 }
 
 /// Adds the row of a point; returns what a unit gradient of the pressure is there.
-fn push_row<const D: usize>((grid, axis, shift): (&Grid<D>, usize, f64), mut point: usize, rows: &mut SparseRows) -> f64 {
+fn push_row<const D: usize>(grid: &Grid<D>, axis: usize, shift: f64, mut point: usize, rows: &mut SparseRows) -> f64 {
     let own = point;
     // no wall across the axis is near face 1
     let mut index = [1; D];

@@ -41,10 +41,10 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
         for (held, (number, (place, _))) in turns.iter().zip(self.turns.iter().enumerate()) {
             of_contact[*place].push((contacts.len() + number, *held));
         }
-        contacts.iter().zip(&of_contact).enumerate().flat_map(|(place, (held, turns))| self.rows_of((place, held), turns)).collect()
+        contacts.iter().zip(&of_contact).enumerate().flat_map(|(place, (held, turns))| self.rows_of(place, held, turns)).collect()
     }
 
-    fn rows_of(&self, (place, held): (usize, &HeldContact<D>), turns: &[(usize, HeldContact<D>)]) -> Vec<HeldRow<D>> {
+    fn rows_of(&self, place: usize, held: &HeldContact<D>, turns: &[(usize, HeldContact<D>)]) -> Vec<HeldRow<D>> {
         if held.state == ContactState::Open {
             return Vec::new();
         }
@@ -57,7 +57,7 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
         let normal = self.wrench(place, &self.frames[place].axes[0]);
         // by the convex law a contact that slips opens, and the row is symmetric
         let along = if self.laws[place].convex { normal + friction } else { normal };
-        let mut rows = vec![self.row((place, 0), (&along, &(normal + friction)), held.force.dot(&self.frames[place].axes[0]))];
+        let mut rows = vec![self.row(place, 0, &along, &(normal + friction), held.force.dot(&self.frames[place].axes[0]))];
         let critical_load = self.laws[place].critical_load;
         if critical_load > 0.0 && !slipping.is_empty() {
             rows.push(self.known(place, &(friction * -1.0), critical_load));
@@ -78,13 +78,13 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
                 sides
                     .map(|axis| {
                         let side = self.wrench(row_block, &axes[axis]);
-                        self.row((row_block, axis), (&side, &side), held.force.dot(&axes[axis]))
+                        self.row(row_block, axis, &side, &side, held.force.dot(&axes[axis]))
                     })
                     .collect()
             }
             ContactState::Slipping if !held.along_line && held.rubs() => {
                 let across = self.wrench(row_block, &cross(&self.frames[place].axes[0], &held.direction));
-                let mut row = self.row((row_block, 1), (&across, &across), 0.0);
+                let mut row = self.row(row_block, 1, &across, &across, 0.0);
                 row.row.compliance = held.ease.max(self.program.row_blocks[row_block].norms[1].powi(2) / STIFFEST);
                 vec![row]
             }
@@ -98,7 +98,7 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
     }
 
     /// The row of the velocity along what a wrench does work on, and of a wrench on the partner, which is this much in the last round.
-    fn row(&self, (row_block, axis): (usize, usize), (along, push): (&ContactWrench<D>, &ContactWrench<D>), guess: f64) -> HeldRow<D> {
+    fn row(&self, row_block: usize, axis: usize, along: &ContactWrench<D>, push: &ContactWrench<D>, guess: f64) -> HeldRow<D> {
         let place = self.contact_of(row_block);
         let (contact, norm) = (&self.contacts[place], self.program.row_blocks[row_block].norms[axis]);
         let compliance = SOFT * norm * norm;
@@ -110,7 +110,7 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
 
     /// The row of a wrench on the partner that is known, so many units: no motion counts for it.
     fn known(&self, place: usize, unit: &ContactWrench<D>, force: f64) -> HeldRow<D> {
-        let mut held = self.row((place, 1), (unit, unit), force);
+        let mut held = self.row(place, 1, unit, unit, force);
         held.row.compliance = self.program.row_blocks[place].norms[1].powi(2);
         held.row.ends.iter_mut().for_each(|(_, side)| *side = RigidFunctional { direction: SVector::zeros(), turn: SMatrix::zeros() });
         held.row.rate = held.row.compliance * force;
@@ -168,7 +168,7 @@ mod tests {
             along_line: false,
         };
         let rows = contacts.rows(&[stick]);
-        let slip = contacts.frames[0].slip((&domain, &contact), &twists);
+        let slip = contacts.frames[0].slip(&domain, &contact, &twists);
         for held in &rows {
             let rate: f64 = held.row.ends.iter().map(|(body, side)| side.rate(&twists[*body])).sum();
             assert!((rate - held.unit.force.dot(&slip)).abs() < 1e-14, "{rate} {}", held.unit.force.dot(&slip));
@@ -186,7 +186,7 @@ mod tests {
         let scaled = contacts.scaled_forces(&[ContactWrench::of_force(whole)])[0];
         let rates = contacts.program.row_blocks[0].rates(&contacts.program.motion(&[scaled]));
         contacts.program.row_blocks[0].offset = [0.0; 3];
-        let velocity = contacts.frames[0].components(&contacts.frames[0].slip((&domain, &contact), &moved));
+        let velocity = contacts.frames[0].components(&contacts.frames[0].slip(&domain, &contact, &moved));
         for axis in 0..3 {
             assert!((velocity[axis] / contacts.program.row_blocks[0].norms[axis] - rates[axis]).abs() < 1e-14);
         }

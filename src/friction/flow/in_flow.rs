@@ -35,7 +35,8 @@ const NEAR: [f64; 3] = [1e-1, 1e-2, 1.0];
 
 /// Contacts of one step, with bodies of `W` unknowns each.
 pub struct FlowContacts<'a, const D: usize, const W: usize> {
-    pub(super) immersed: ImmersedBodies<'a, D>,
+    /// The bodies that touch.
+    pub immersed: ImmersedBodies<'a, D>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
     pub(super) frames: Vec<Frame<D>>,
@@ -131,10 +132,10 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
 
     /// How contacts are held where the network obeys the law; nothing if that is not found.
     pub fn by_network(&mut self) -> Option<Vec<HeldContact<D>>> {
-        let mut best = follow(&self.program, &vec![[0.0; D]; self.program.row_blocks.len()], (1.0, AIM));
+        let mut best = follow(&self.program, &vec![[0.0; D]; self.program.row_blocks.len()], 1.0, AIM);
         for start in NEAR {
             if best.residual > SOLVED {
-                let again = follow(&self.program, &self.program.within(&self.found.0), (start, AIM));
+                let again = follow(&self.program, &self.program.within(&self.found.0), start, AIM);
                 best = if again.residual < best.residual { again } else { best };
             }
         }
@@ -207,7 +208,7 @@ impl<'a, const D: usize, const W: usize> FlowContacts<'a, D, W> {
     fn scaled_velocity(&self, row_block: usize, twists: &[Twist<D>]) -> [f64; D] {
         let place = self.contact_of(row_block);
         let (contact, frame, norms) = (&self.contacts[place], &self.frames[place], self.program.row_blocks[row_block].norms);
-        let mut velocity = frame.velocity((self.immersed.domain, contact), twists, self.immersed.step);
+        let mut velocity = frame.velocity(self.immersed.domain, contact, twists, self.immersed.step);
         if let Some(turn) = self.turn(row_block) {
             velocity[1..].copy_from_slice(&frame.turning_rates(contact, turn, twists)[1..]);
         }

@@ -63,7 +63,8 @@ impl<const W: usize> Border<W> {
     /// The change of amplitudes, of which a change of motions without them is made one with them.
     pub fn amplitudes<const D: usize>(
         &self,
-        (program, newton): (&FrictionProgram<D, W>, &[Newton<D>]),
+        program: &FrictionProgram<D, W>,
+        newton: &[Newton<D>],
         wanted: &[f64],
         motion: &mut [[f64; W]],
     ) -> Vec<f64> {

@@ -100,7 +100,7 @@ fn from_sweeps<const D: usize, const W: usize>(
     let near: Vec<usize> = (0..forces.len()).filter(stays).collect();
     let part = program.part(&near);
     let guess: Vec<[f64; D]> = near.iter().map(|&place| forces[place]).collect();
-    let end = follow(&part, &guess, (start, AIM));
+    let end = follow(&part, &guess, start, AIM);
     let mut found = forces.clone();
     near.iter().zip(end.forces).for_each(|(&place, force)| found[place] = force);
     (found, end.iterations)

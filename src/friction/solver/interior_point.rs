@@ -7,7 +7,7 @@
 
 use super::{
     bordered::Border,
-    pairs::{Newton, Pairs},
+    pairs::{Newton, Pairs, Products},
 };
 use crate::{
     contact::{
@@ -65,7 +65,7 @@ struct Iterate<'a, const D: usize, const W: usize> {
 
 /// Follows the path from impulses near which it starts, with products of the square of `start`, until the residual is below an aim, or below the tolerance of
 /// all methods and falls no more.
-pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: &[[f64; D]], (start, aim): (f64, f64)) -> PathEnd<D> {
+pub fn follow<const D: usize, const W: usize>(program: &FrictionProgram<D, W>, guess: &[[f64; D]], start: f64, aim: f64) -> PathEnd<D> {
     let mut best = PathEnd { forces: guess.to_vec(), residual: f64::INFINITY, iterations: 0 };
     let mut point = Iterate::new(program, guess, start);
     let touches = [program.touches(), program.medium.touches()].concat();
@@ -145,7 +145,7 @@ impl<'a, const D: usize, const W: usize> Iterate<'a, D, W> {
         let mean = mean(&self.pairs);
         let contacts = self.pairs.iter().zip(self.velocities()).enumerate();
         let newton: Vec<Newton<D>> =
-            contacts.map(|(place, (pairs, velocity))| Newton::of(pairs, &velocity, (self.limit(place), mean))).collect();
+            contacts.map(|(place, (pairs, velocity))| Newton::of(pairs, &velocity, self.limit(place), mean)).collect();
         let count = newton.len();
         let of_both = |place: usize| match place.checked_sub(count) {
             Some(row) => self.program.medium.blocks(row),
@@ -155,20 +155,19 @@ impl<'a, const D: usize, const W: usize> Iterate<'a, D, W> {
             return false;
         }
         let border = Border::new(self.program, factors, &newton);
-        let factors = (&*factors, border.as_ref());
-        let products: Vec<(f64, [f64; D])> = self.pairs.iter().map(Pairs::products).collect();
-        let predicted = self.direction(factors, &newton, &products);
+        let products: Vec<Products<D>> = self.pairs.iter().map(Pairs::products).collect();
+        let predicted = self.direction(factors, border.as_ref(), &newton, &products);
         let after = mean_after(&self.pairs, &predicted.pairs, self.room(&predicted).min(1.0));
         let least = CAREFUL.iter().find(|(length, _)| self.last < *length).map_or(0.0, |(_, part)| *part);
         let aim = (after / mean).powi(3).min(1.0).max(least) * mean;
-        let corrected = |((normal, tangential), change): (&(f64, [f64; D]), &Pairs<D>)| {
-            let (of_normal, of_tangential) = change.products();
-            let mut sum: [f64; D] = std::array::from_fn(|axis| tangential[axis] + of_tangential[axis]);
-            sum[0] -= aim;
-            (normal + of_normal - aim, sum)
+        let corrected = |(products, change): (&Products<D>, &Pairs<D>)| {
+            let more = change.products();
+            let mut tangential: [f64; D] = std::array::from_fn(|axis| products.tangential[axis] + more.tangential[axis]);
+            tangential[0] -= aim;
+            Products { normal: products.normal + more.normal - aim, tangential }
         };
-        let products: Vec<(f64, [f64; D])> = products.iter().zip(&predicted.pairs).map(corrected).collect();
-        let direction = self.direction(factors, &newton, &products);
+        let products: Vec<Products<D>> = products.iter().zip(&predicted.pairs).map(corrected).collect();
+        let direction = self.direction(factors, border.as_ref(), &newton, &products);
         self.walk(&direction)
     }
 
@@ -193,12 +192,7 @@ impl<'a, const D: usize, const W: usize> Iterate<'a, D, W> {
     }
 
     /// The change that takes away these products and what is wrong with rows and motions.
-    fn direction(
-        &self,
-        (factors, border): (&BlockLu, Option<&Border<W>>),
-        newton: &[Newton<D>],
-        products: &[(f64, [f64; D])],
-    ) -> Direction<D, W> {
+    fn direction(&self, factors: &BlockLu, border: Option<&Border<W>>, newton: &[Newton<D>], products: &[Products<D>]) -> Direction<D, W> {
         let first: Vec<[f64; D]> = newton.iter().zip(products).map(|(newton, products)| newton.first(products)).collect();
         let forces: Vec<[f64; D]> = self
             .pairs
@@ -216,7 +210,7 @@ impl<'a, const D: usize, const W: usize> Iterate<'a, D, W> {
         factors.solve(motion.as_flattened_mut());
         let modes = self.program.modes.iter().zip(&self.amplitudes);
         let wanted: Vec<f64> = modes.map(|(mode, now)| dot(&mode.rates, &forces) - now / mode.gain).collect();
-        let amplitudes = border.map_or_else(Vec::new, |border| border.amplitudes((self.program, newton), &wanted, &mut motion));
+        let amplitudes = border.map_or_else(Vec::new, |border| border.amplitudes(self.program, newton, &wanted, &mut motion));
         let rates = self.program.row_blocks.iter().map(|row_block| row_block.rates(&motion)).collect();
         let contacts = newton.iter().zip(self.program.with_modes(rates, &amplitudes)).zip(first.iter().zip(products));
         let pairs = contacts.map(|((newton, rates), (first, products))| newton.change(first, &rates, products)).collect();

@@ -15,6 +15,15 @@ pub struct Pairs<const D: usize> {
     pub slip: [f64; D],
 }
 
+/// The products `n s` and `b o e` of the pairs of a contact.
+#[derive(Debug, Clone, Copy)]
+pub struct Products<const D: usize> {
+    /// `n s`.
+    pub normal: f64,
+    /// `b o e`.
+    pub tangential: [f64; D],
+}
+
 /// The linear equations of a contact.
 #[derive(Debug, Clone)]
 pub struct Newton<const D: usize> {
@@ -90,10 +99,11 @@ impl<const D: usize> Pairs<D> {
     }
 
     /// Both products.
-    pub fn products(&self) -> (f64, [f64; D]) {
+    pub fn products(&self) -> Products<D> {
         let (bound, slip) = (&self.bound, &self.slip);
         let mixed = |axis: usize| bound[0] * slip[axis] + slip[0] * bound[axis];
-        (self.normal * self.opening, std::array::from_fn(|axis| if axis == 0 { dot(bound, slip) } else { mixed(axis) }))
+        let tangential = std::array::from_fn(|axis| if axis == 0 { dot(bound, slip) } else { mixed(axis) });
+        Products { normal: self.normal * self.opening, tangential }
     }
 
     /// The numbers that are the same on the path.
@@ -120,7 +130,7 @@ impl<const D: usize> Pairs<D> {
 
 impl<const D: usize> Newton<D> {
     /// The equations at a contact that moves so, at products of this mean.
-    pub fn of(pairs: &Pairs<D>, velocity: &[f64; D], (limit, product): (Limit, f64)) -> Newton<D> {
+    pub fn of(pairs: &Pairs<D>, velocity: &[f64; D], limit: Limit, product: f64) -> Newton<D> {
         let (most, slope) = limit.on_path(pairs.normal, product);
         let mut newton = Newton {
             matrix: [[0.0; D]; D],
@@ -171,7 +181,7 @@ impl<const D: usize> Newton<D> {
     }
 
     /// The change of the impulse, while the motion stays, that takes away products and what is wrong.
-    pub fn first(&self, (normal, tangential): &(f64, [f64; D])) -> [f64; D] {
+    pub fn first(&self, Products { normal, tangential }: &Products<D>) -> [f64; D] {
         let turned = self.turn(&self.slip);
         let across = |bound: f64| -> [f64; D] {
             let side = std::array::from_fn(|axis| {
@@ -192,11 +202,11 @@ impl<const D: usize> Newton<D> {
     }
 
     /// The change of both pairs, given the first change of the impulse and how the motion changes velocities.
-    pub fn change(&self, first: &[f64; D], rates: &[f64; D], (_, products): &(f64, [f64; D])) -> Pairs<D> {
+    pub fn change(&self, first: &[f64; D], rates: &[f64; D], products: &Products<D>) -> Pairs<D> {
         let impulse: [f64; D] = std::array::from_fn(|axis| first[axis] - dot(&self.matrix[axis], rates));
         let bound = std::array::from_fn(|axis| if axis == 0 { self.slope * impulse[0] + self.bound } else { impulse[axis] });
         let mut slip: [f64; D] = std::array::from_fn(|axis| rates[axis] + self.slip[axis]);
-        slip[0] = self.slip(&bound, &slip, products[0]);
+        slip[0] = self.slip(&bound, &slip, products.tangential[0]);
         Pairs { normal: impulse[0], opening: rates[0] + self.opening - self.dilation * slip[0], bound, slip }
     }
 }
@@ -213,12 +223,12 @@ mod tests {
     fn change_by(dilation: f64) {
         let pairs = Pairs { normal: 0.7, opening: 0.4, bound: [0.5, 0.2, -0.1], slip: [0.9, -0.3, 0.2] };
         let (velocity, friction) = ([0.5, -0.1, 0.3], 0.6);
-        let newton = Newton::of(&pairs, &velocity, (Limit { friction, load: 0.0, dilation }, 0.0));
+        let newton = Newton::of(&pairs, &velocity, Limit { friction, load: 0.0, dilation }, 0.0);
         let products = pairs.products();
         let (first, rates) = (newton.first(&products), [0.03, -0.02, 0.05]);
         let change = newton.change(&first, &rates, &products);
         let normal = pairs.normal * change.opening + pairs.opening * change.normal;
-        assert!((normal + products.0).abs() < 1e-15);
+        assert!((normal + products.normal).abs() < 1e-15);
         let opening = velocity[0] + rates[0] - dilation * (pairs.slip[0] + change.slip[0]);
         assert!((pairs.opening + change.opening - opening).abs() < 1e-15);
         let mixed = |axis: usize| {
@@ -228,11 +238,11 @@ mod tests {
                 + change.slip[0] * pairs.bound[axis]
         };
         for axis in 1..3 {
-            assert!((mixed(axis) + products.1[axis]).abs() < 1e-15, "{axis}");
+            assert!((mixed(axis) + products.tangential[axis]).abs() < 1e-15, "{axis}");
             assert!((pairs.slip[axis] + change.slip[axis] - velocity[axis] - rates[axis]).abs() < 1e-15);
         }
         let scalar = dot(&pairs.bound, &change.slip) + dot(&pairs.slip, &change.bound);
-        assert!((scalar + products.1[0]).abs() < 1e-15);
+        assert!((scalar + products.tangential[0]).abs() < 1e-15);
         assert!((friction * (pairs.normal + change.normal) - pairs.bound[0] - change.bound[0]).abs() < 1e-15);
     }
 

@@ -23,10 +23,11 @@ use crate::{
 /// Compliance of bonds, over the mobility of what they join, besides their own: bonds that repeat each other are regular with it.
 const REGULAR: f64 = 1e-8;
 
-/// The interior point starts from products of this square, and aims at this residual.
-const PATH: (f64, f64) = (1.0, 1e-11);
-/// The same from the wrenches of an earlier solution where it does not lead to one.
-const AGAIN: (f64, f64) = (1e-1, 1e-11);
+/// The interior point starts from products of this square, or of this one from the wrenches of an earlier solution where the first does not lead to one, and
+/// aims at this residual.
+const START: f64 = 1.0;
+const START_AGAIN: f64 = 1e-1;
+const AIM: f64 = 1e-11;
 
 /// How the balls of a rigid body move for unit unknowns, whose squares are twice its kinetic energy.
 #[derive(Debug, Clone, PartialEq)]
@@ -273,12 +274,12 @@ fn solution<const D: usize, const W: usize>(
     guess: Vec<[f64; D]>,
     tolerance: f64,
 ) -> (Vec<[f64; D]>, usize, usize) {
-    let first = follow(program, &vec![[0.0; D]; guess.len()], PATH);
+    let first = follow(program, &vec![[0.0; D]; guess.len()], START, AIM);
     if first.residual <= tolerance {
         return (first.forces, first.iterations, 0);
     }
     if program.medium.resists() {
-        let again = follow(program, &program.within(&guess), AGAIN);
+        let again = follow(program, &program.within(&guess), START_AGAIN, AIM);
         let iterations = first.iterations + again.iterations;
         let best = if again.residual < first.residual { again } else { first };
         return (best.forces, iterations, 0);

@@ -37,7 +37,7 @@ pub fn longest_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64
 pub fn first_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64, pushes: &[Wrench<D>]) -> f64 {
     let way = COURANT * spacing;
     let motions = setup.fastest_motions().into_iter().enumerate();
-    let by_bodies = motions.map(|(body, motion)| by_motion(setup, way, (body, motion), pushes.get(body))).fold(f64::INFINITY, f64::min);
+    let by_bodies = motions.map(|(body, motion)| by_motion(setup, way, body, motion, pushes.get(body))).fold(f64::INFINITY, f64::min);
     let walls = setup.domain.axes.iter().filter(|axis| axis.walled());
     let by_walls = walls.map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
     let by_drive = from_rest(way, inertia(setup).fluid, setup.strongest_drive().uniform_force().norm());
@@ -51,7 +51,7 @@ fn stream<const D: usize>(setup: &Setup<D>) -> f64 {
 }
 
 /// The time in which the surface of a body goes so far, from rest where it is free.
-fn by_motion<const D: usize>(setup: &Setup<D>, way: f64, (body, motion): (usize, Motion<D>), push: Option<&Wrench<D>>) -> f64 {
+fn by_motion<const D: usize>(setup: &Setup<D>, way: f64, body: usize, motion: Motion<D>, push: Option<&Wrench<D>>) -> f64 {
     let (ball, inertia) = (setup.bodies[body].body.ball, inertia(setup));
     match motion {
         Motion::Prescribed(twist) => way / (twist.velocity.norm() + twist.spin.norm() * ball.radius),

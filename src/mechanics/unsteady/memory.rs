@@ -28,7 +28,7 @@ impl Forgetting {
 }
 
 /// Means after a step over which multipliers went from those `before` to those `now` along straight lines.
-pub fn followed(means: &[Vec<f64>], (before, now): (&[Vec<f64>], &[Vec<f64>]), forgetting: f64) -> Vec<Vec<f64>> {
+pub fn followed(means: &[Vec<f64>], before: &[Vec<f64>], now: &[Vec<f64>], forgetting: f64) -> Vec<Vec<f64>> {
     let lag = (-forgetting).exp();
     // what means do not follow by the end of the step of a change in it, averaged over the times of changes
     let unfollowed = if forgetting > 0.0 { -(-forgetting).exp_m1() / forgetting } else { 1.0 };
@@ -50,14 +50,14 @@ mod tests {
     fn means_are_those_of_an_exponential_memory_over_straight_lines() {
         // in one step, or in a thousand along the same line
         let (before, now, start) = (vec![vec![1.0]], vec![vec![3.0]], vec![vec![0.5]]);
-        let whole = followed(&start, (&before, &now), 0.7)[0][0];
+        let whole = followed(&start, &before, &now, 0.7)[0][0];
         let at = |part: f64| vec![vec![1.0 + 2.0 * part]];
         let parts = (0..1000).fold(start, |mean, part| {
             let part = f64::from(part);
-            followed(&mean, (&at(part / 1000.0), &at((part + 1.0) / 1000.0)), 0.0007)
+            followed(&mean, &at(part / 1000.0), &at((part + 1.0) / 1000.0), 0.0007)
         });
         assert!((whole - parts[0][0]).abs() < 1e-9, "{whole} {parts:?}");
-        assert_eq!(followed(&before, (&before, &now), 0.0), before);
-        assert_eq!(followed(&before, (&before, &now), f64::INFINITY), now);
+        assert_eq!(followed(&before, &before, &now, 0.0), before);
+        assert_eq!(followed(&before, &before, &now, f64::INFINITY), now);
     }
 }

@@ -292,7 +292,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         }
         let assembly = Assembly::of(&self.fixed, centers, self.assembly.take())?;
         let (world, mut walls) = (self.fixed.session.world(), WallForces::none().forces);
-        let films = add_films(world, &assembly.layout, &assembly.films, (&[], self.fixed.setup.viscosity), &mut [], &mut walls);
+        let films = add_films(world, &assembly.layout, &assembly.films, &[], self.fixed.setup.viscosity, &mut [], &mut walls);
         self.assembly = Some(assembly);
         Ok(Some(films))
     }
@@ -354,7 +354,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         &mut self,
         weights: StepWeights,
         assembly: &mut Assembly<D>,
-        (centers, surfaces): (&[SVector<f64, D>], Option<&NearSurfaces>),
+        centers: &[SVector<f64, D>],
+        surfaces: Option<&NearSurfaces>,
     ) -> Result<()> {
         let (inverse_diffusivity, setup) = (self.inverse_diffusivity(), &self.fixed.setup);
         let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
@@ -365,7 +366,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let viscous = weights.of_known_flux(weights.step / (inverse_diffusivity * self.fixed.grid.spacing().min().powi(2)));
         let past = Past { levels: &levels, weights, convection, viscous, inverse_diffusivity, kept };
         let body_types = self.fixed.method.jumps().then_some(&self.fixed.body_types);
-        let mut rows = past.rows(&self.fixed.grid, body_types, (centers, surfaces))?;
+        let mut rows = past.rows(&self.fixed.grid, body_types, centers, surfaces)?;
         let lost = past.lost(&self.fixed.grid, &rows)?;
         self.momentum_residual = lost * (setup.viscosity * self.fixed.grid.spacing().product());
         add_drive(&self.fixed.grid, &setup.drive, setup.viscosity, &mut rows)?;
@@ -397,7 +398,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         // frames that slide past each other see what lags behind at different places
         let near = self.fixed.method.jumps() && self.fixed.setup.domain.slide().is_none();
         let surfaces = near.then(|| NearSurfaces::new(&self.fixed.grid, &self.fixed.body_types, centers, &self.past[0].0)).transpose()?;
-        self.fill_undisturbed(weights, &mut assembly, (centers, surfaces.as_ref()))?;
+        self.fill_undisturbed(weights, &mut assembly, centers, surfaces.as_ref())?;
         assembly.meet_flow(&self.fixed)?;
         if let Some(surfaces) = &surfaces {
             let mut missed = vec![0.0; assembly.undisturbed.len()];
@@ -438,7 +439,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             }
             self.recent.add(last, guess, configuration.time);
         }
-        let mut solution = readback::solution(fixed, (&bodies, &assembly), (&pair_constraints, &constraints), found, configuration)?;
+        let mut solution = readback::solution(fixed, &bodies, &assembly, &pair_constraints, &constraints, found, configuration)?;
         drop(bodies);
         solution.contact_forces.iter_mut().for_each(|force| *force /= weights.of_impulse());
         self.refuse_unstable(&solution.fluid, configuration.time, weights.step)?;
@@ -462,7 +463,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         let last = &self.past[0].0;
         let before = if self.past.len() > 1 { &last.multipliers } else { &multipliers };
         let means = [(&last.smooth, forgetting.of_jumps), (&last.slow, forgetting.in_gaps), (&last.lagging, forgetting.of_rates)];
-        let [smooth, slow, lagging] = means.map(|(means, forgetting)| followed(means, (before, &multipliers), forgetting));
+        let [smooth, slow, lagging] = means.map(|(means, forgetting)| followed(means, before, &multipliers, forgetting));
         let resolved = last.resolved;
         // layers thinner than a cell, as at the start, tell no rates; frames that slide past each other would see them at different places
         let lagging = between(&smooth, &lagging, if self.fixed.setup.domain.slide().is_some() { 0.0 } else { resolved });

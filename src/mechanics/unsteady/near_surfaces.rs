@@ -59,7 +59,7 @@ impl NearSurfaces {
                 let offsets: Vec<f64> = alike.iter().flat_map(|found| found.offset.iter().copied()).collect();
                 let mut jumps = vec![0.0; alike.len()];
                 if let Some(unsteady) = level.unsteady_jump(body_types, body) {
-                    unsteady.add(modes.as_ref(), (&offsets, component), &mut jumps);
+                    unsteady.add(modes.as_ref(), &offsets, component, &mut jumps);
                 }
                 for (Nearest { place, offset, .. }, jump) in alike.iter().zip(jumps) {
                     (gaps[*place], unsteady[*place]) = ((offset.norm() - modes.radius()) / spacing, jump);

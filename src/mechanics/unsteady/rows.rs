@@ -56,7 +56,8 @@ impl<const D: usize> Past<'_, D> {
         &self,
         grid: &Grid<D>,
         body_types: Option<&BodyTypes<D>>,
-        (centers, surfaces): (&[SVector<f64, D>], Option<&NearSurfaces>),
+        centers: &[SVector<f64, D>],
+        surfaces: Option<&NearSurfaces>,
     ) -> Result<Vector> {
         let mut rows = self.levels[0].1.velocity.like()?;
         for (level, (_, extended)) in self.levels.iter().enumerate() {

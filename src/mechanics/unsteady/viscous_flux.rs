@@ -51,8 +51,8 @@ pub fn viscous_defect<const D: usize>(grid: &Grid<D>, surfaces: &NearSurfaces, e
             let index = blocks[component].index(place - grid.local_range(component).start);
             for axis in 0..D {
                 let factors = factors(grid, component, axis);
-                let Some(around) = local_around(grid, &blocks, component, (index, axis)) else {
-                    edge_faces(grid, component, (signed(index), axis), extended, (&mut edges, &mut wanted))?;
+                let Some(around) = local_around(grid, &blocks, component, index, axis) else {
+                    edge_faces(grid, component, signed(index), axis, extended, &mut edges, &mut wanted)?;
                     continue;
                 };
                 let [gaps, velocities, jumps] =
@@ -101,7 +101,7 @@ fn crossing(factor: f64, gaps: [f64; 4], jumps: [f64; 4]) -> f64 {
 }
 
 /// The component and the index of the values around the face of a component behind an index along an axis.
-fn nodes<const D: usize>(component: usize, (index, axis): (Index<D>, usize)) -> [[(usize, Index<D>); 4]; 2] {
+fn nodes<const D: usize>(component: usize, index: Index<D>, axis: usize) -> [[(usize, Index<D>); 4]; 2] {
     let moved = |mut index: Index<D>, axis: usize, by: isize| {
         index[axis] += by;
         index
@@ -119,7 +119,8 @@ fn local_around<const D: usize>(
     grid: &Grid<D>,
     blocks: &[Block<D>; D],
     component: usize,
-    (index, axis): ([usize; D], usize),
+    index: [usize; D],
+    axis: usize,
 ) -> Option<Around> {
     let (block, other) = (&blocks[component], &blocks[axis]);
     let stride = |block: &Block<D>, axis: usize| (axis + 1..D).map(|axis| block.end[axis] - block.start[axis]).product::<usize>();
@@ -152,15 +153,17 @@ fn third_difference(around: [f64; 4]) -> f64 {
 fn edge_faces<const D: usize>(
     grid: &Grid<D>,
     component: usize,
-    (index, axis): (Index<D>, usize),
+    index: Index<D>,
+    axis: usize,
     shape: &Vector,
-    (edges, wanted): (&mut Vec<EdgeFace>, &mut Vec<usize>),
+    edges: &mut Vec<EdgeFace>,
+    wanted: &mut Vec<usize>,
 ) -> Result<()> {
     let own = shape.range()?;
     for before in 0..=1 {
         let mut index = index;
         index[axis] -= before;
-        let places = nodes(component, (index, axis)).map(|nodes| nodes.map(|(component, index)| unknown(grid, component, index)));
+        let places = nodes(component, index, axis).map(|nodes| nodes.map(|(component, index)| unknown(grid, component, index)));
         // no such flux beside walls
         let Some(places) = places.iter().flatten().copied().collect::<Option<Vec<usize>>>() else { continue };
         if before == 0 || !own.contains(&places[1]) {

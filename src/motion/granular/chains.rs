@@ -93,7 +93,8 @@ impl<const D: usize> GranularChains<D> {
         peers: Peers,
         interactions: &Interactions<D>,
         chains: &[Range<usize>],
-        (state, masses): (&State<D>, &[f64]),
+        state: &State<D>,
+        masses: &[f64],
         step: GranularStep,
     ) -> Self {
         let numbers = state.numbers();
@@ -131,8 +132,7 @@ impl<const D: usize> GranularChains<D> {
     /// The velocities of the own bodies by bonds alone, next to wanted ones. Collective.
     pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let mut velocities = self.halo.spread_vectors(peers, wanted);
-        let before = (&self.centers[..], self.step.length);
-        self.chains.iter_mut().for_each(|chain| chain.hold_exactly(&mut velocities, &self.resistances, before));
+        self.chains.iter_mut().for_each(|chain| chain.hold_exactly(&mut velocities, &self.resistances, &self.centers, self.step.length));
         self.halo.own().iter().map(|&place| velocities[place]).collect()
     }
 
@@ -185,7 +185,7 @@ impl<const D: usize> GranularChain<D> {
     }
 
     /// Holds beads with these centres over a step so that what the chain keeps is kept after it, and remembers the rates that this takes.
-    fn hold_exactly(&mut self, velocities: &mut [SVector<f64, D>], resistances: &[f64], (centers, step): (&[SVector<f64, D>], f64)) {
+    fn hold_exactly(&mut self, velocities: &mut [SVector<f64, D>], resistances: &[f64], centers: &[SVector<f64, D>], step: f64) {
         let wanted = velocities[self.beads.clone()].to_vec();
         for _ in 0..CORRECTIONS {
             velocities[self.beads.clone()].copy_from_slice(&wanted);

@@ -54,13 +54,7 @@ struct RigidMotion<const D: usize> {
 
 impl<const D: usize> GranularClusters<D> {
     /// Those of these clusters, the own bodies having these moments of inertia over masses, and these spins without clusters. Collective.
-    pub fn new(
-        peers: Peers,
-        clusters: &[Cluster<D>],
-        (state, own): (&State<D>, &[f64]),
-        moves: &[Twist<D>],
-        step: f64,
-    ) -> GranularClusters<D> {
+    pub fn new(peers: Peers, clusters: &[Cluster<D>], state: &State<D>, own: &[f64], moves: &[Twist<D>], step: f64) -> GranularClusters<D> {
         let numbers = state.numbers();
         let owns = |cluster: &&Cluster<D>| {
             let next = numbers.get(numbers.partition_point(|&number| number < cluster.bodies.start));
@@ -106,7 +100,8 @@ impl<const D: usize> GranularClusters<D> {
         &self,
         peers: Peers,
         wanted: [&[SVector<f64, D>]; 2],
-        (held, weights): (&[SVector<f64, D>], &[f64]),
+        held: &[SVector<f64, D>],
+        weights: &[f64],
         linear: &mut [SVector<f64, D>],
     ) -> Vec<RigidBalls<D>> {
         let (wanted, weights, place_of) = (self.spread(peers, wanted), self.halo.spread(peers, weights), self.places_of_own());
@@ -133,7 +128,8 @@ impl<const D: usize> GranularClusters<D> {
         &self,
         peers: Peers,
         [wanted, changes]: [&[Twist<D>]; 2],
-        (held, masses): (&[SVector<f64, D>], &[f64]),
+        held: &[SVector<f64, D>],
+        masses: &[f64],
         linear: &mut [Twist<D>],
     ) -> Vec<RigidTwists<D>> {
         let velocities = [wanted, changes].map(|twists| twists.iter().map(|twist| twist.velocity).collect::<Vec<SVector<f64, D>>>());

@@ -8,9 +8,9 @@ impl<const D: usize> Granular<D> {
     pub(super) fn given_places(&self, time: f64, wall: Option<WallMotion<D>>) -> Vec<(usize, GivenPlace<D>)> {
         let mut places: Vec<_> =
             self.given.iter().map(|(number, start, twist)| (*number, GivenPlace::steady(*start, twist, time))).collect();
-        for (number, displacement) in self.trajectories.displacements(time) {
+        for (number, (displacement, angle)) in self.trajectories.displacements(time) {
             if let Ok(place) = self.given.binary_search_by_key(&number, |(given, ..)| *given) {
-                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement);
+                places[place].1 = GivenPlace::displaced(self.given[place].1, displacement, angle);
             }
         }
         if let (Some(pressed), Some(wall)) = (&self.wall, wall) {

@@ -32,7 +32,7 @@ use self::{
     velocities::{Acceleration, HalfStepBehind},
 };
 use super::{
-    step_control::{BodyMotion, StepControl, StepLimits},
+    step_control::{BodyMotion, StepControl, StepLimits, StepStart},
     stepper::{Observation, StepOutcome, Stepper, StepperView},
     stop_request::StopRequest,
 };
@@ -219,7 +219,7 @@ impl<const D: usize> Granular<D> {
 
     /// The own bodies, those within reach of interactions, and those of contacts that stick.
     fn neighbours(&self, peers: Peers, state: &State<D>, adhesive_contacts: &[AdhesiveContact<D>]) -> Neighbours<D> {
-        Neighbours::new(peers, (&self.domain, &self.regions), state, (&self.radii, &self.masses()), adhesive_contacts, self.reach)
+        Neighbours::new(peers, &self.domain, &self.regions, state, &self.bodies, adhesive_contacts, self.reach)
     }
 
     /// The forces that interactions know from where bodies are, and accelerations by all forces but those that a projection finds.
@@ -288,7 +288,8 @@ impl<const D: usize> Granular<D> {
         &self,
         state: &State<D>,
         ties: Option<&mut Ties<D>>,
-        (moves, rubbed): (&[Twist<D>], Option<&[Twist<D>]>),
+        moves: &[Twist<D>],
+        rubbed: Option<&[Twist<D>]>,
         step: GranularStep,
     ) -> Result<Kept<D>> {
         let lower_bounds = self.lower_bounds(state, step.push);
@@ -296,7 +297,7 @@ impl<const D: usize> Granular<D> {
             let (projection, adhesive_contacts) = self.project(state, moves, &lower_bounds, step)?;
             return Ok(Kept { projection, adhesive_contacts, changes: Vec::new() });
         };
-        self.keep_ties(state, ties, (moves, rubbed), &lower_bounds, step)
+        self.keep_ties(state, ties, moves, rubbed, &lower_bounds, step)
     }
 
     /// The same in turn with ties, until both agree.
@@ -304,7 +305,8 @@ impl<const D: usize> Granular<D> {
         &self,
         state: &State<D>,
         ties: &mut Ties<D>,
-        (moves, rubbed): (&[Twist<D>], Option<&[Twist<D>]>),
+        moves: &[Twist<D>],
+        rubbed: Option<&[Twist<D>]>,
         lower_bounds: &[ContactForce<D>],
         step: GranularStep,
     ) -> Result<Kept<D>> {
@@ -330,7 +332,7 @@ impl<const D: usize> Granular<D> {
             }
             together.meet(&projection, lower_bounds);
             let at_once = if AT_ONCE.contains(&round) {
-                self.changes_at_once((state, step), [&with_friction(&wanted, rubbed), &contacts.ahead], &tied, (&together, ties))
+                self.changes_at_once(state, step, [&with_friction(&wanted, rubbed), &contacts.ahead], &tied, &together, ties)
             } else {
                 None
             };
@@ -343,14 +345,16 @@ impl<const D: usize> Granular<D> {
     /// What contacts change wanted velocities by where they and ties are solved at once, from changes of which ties have made those held. Collective.
     fn changes_at_once(
         &self,
-        (state, step): (&State<D>, GranularStep),
+        state: &State<D>,
+        step: GranularStep,
         wanted: [&[SVector<f64, D>]; 2],
         held: &[SVector<f64, D>],
-        (together, ties): (&Together<D>, &Ties<D>),
+        together: &Together<D>,
+        ties: &Ties<D>,
     ) -> Option<Vec<SVector<f64, D>>> {
         let (peers, numbers, balls, masses) = (self.peers(), state.numbers(), state.balls(&self.radii), self.masses());
         let weights: Vec<f64> = masses.iter().map(|mass| mass / step.push).collect();
-        let (velocities, clusters) = ties.linear(peers, wanted, (held, &weights));
+        let (velocities, clusters) = ties.linear(peers, wanted, held, &weights);
         let own = Wanting { domain: &self.domain, numbers: &numbers, balls: &balls, masses: &masses, velocities: &velocities, step };
         together.changes(peers, &own, ties, &clusters)
     }
@@ -488,7 +492,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let farthest = |place: usize| self.step_control.time.travel * self.radii[place];
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));
         let limits = StepLimits { stable, accurate: f64::INFINITY, tried: longest };
-        let step_size = self.step_control.next(self.peers(), &motions, (state.time, state.last_step), limits);
+        let step_size = self.step_control.next(self.peers(), &motions, StepStart { time: state.time, last_step: state.last_step }, limits);
         let kinetic_energy = Some(self.kinetic_energy(&twists));
         Ok(Observation { kinetic_energy, ..Observation::of_motions(twists, step_size) })
     }
@@ -507,7 +511,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
         let rubbing = rubs.then(|| self.rub(state, &moves, length));
         let rubbed = rubbing.as_ref().map(|rubbing| &rubbing.changes[..]);
         moves.iter_mut().zip(rubbed.unwrap_or_default()).for_each(|(twist, change)| twist.spin += change.spin);
-        self.advance_with_ties(state, (moves, rubbing), length, start)
+        self.advance_with_ties(state, moves, rubbing, length, start)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The bodies of a rank with those near them, as interactions see them.
 
+use super::migration::Constants;
 use crate::{
     body::{Halo, OwnBodies, Regions},
     contact::{AdhesiveContact, ContactForce, renamed},
@@ -20,16 +21,18 @@ pub struct Neighbours<const D: usize> {
 }
 
 impl<const D: usize> Neighbours<D> {
-    /// Those with a gap up to `reach` to an own body, and those that stick to one of the own bodies; radii and masses are of these. Collective.
+    /// Those with a gap up to `reach` to an own body, and those that stick to one of the own bodies; `bodies` are these. Collective.
     pub fn new(
         peers: Peers,
-        (domain, regions): (&Domain<D>, &Regions<D>),
+        domain: &Domain<D>,
+        regions: &Regions<D>,
         state: &State<D>,
-        (radii, masses): (&[f64], &[f64]),
+        bodies: &[Constants<D>],
         adhesive_contacts: &[AdhesiveContact<D>],
         reach: f64,
     ) -> Neighbours<D> {
-        let balls = state.balls(radii);
+        let (radii, masses): (Vec<f64>, Vec<f64>) = bodies.iter().map(|body| (body.radius, body.mass)).unzip();
+        let balls = state.balls(&radii);
         let around: Vec<Ball<D>> = balls.iter().map(|ball| Ball { radius: ball.radius + 0.5 * reach, ..*ball }).collect();
         let numbers = state.numbers();
         let required = adhesive_contacts.iter().flat_map(|contact| contact.bodies());
@@ -37,7 +40,7 @@ impl<const D: usize> Neighbours<D> {
         let place = |number: usize| halo.place(number).expect("bodies that stick are seen");
         let adhesive_contacts =
             adhesive_contacts.iter().map(|contact| (renamed(contact.identity(), place), contact.gamma).into()).collect();
-        Neighbours { balls: halo.spread_balls(peers, &balls), masses: halo.spread(peers, masses), adhesive_contacts, halo }
+        Neighbours { balls: halo.spread_balls(peers, &balls), masses: halo.spread(peers, &masses), adhesive_contacts, halo }
     }
 
     /// They as interactions see them at a time.

@@ -54,11 +54,11 @@ impl<const D: usize> Granular<D> {
         let mut rubbing = Rubbing::none(moves.len(), step);
         for round in 0..ROUNDS {
             let turned: Vec<Twist<D>> = moves.iter().zip(&rubbing.changes).map(|(twist, change)| spun(twist, change)).collect();
-            let ties = Ties::new(peers, &self.interactions, (state, &self.bodies), &turned, step);
+            let ties = Ties::new(peers, &self.interactions, state, &self.bodies, &turned, step);
             let mut ties = ties.expect("bodies are tied");
             let changes: Vec<SVector<f64, D>> = rubbing.changes.iter().map(|change| change.velocity).collect();
             let held = ties.hold(peers, &wanted, &changes);
-            let (linear, rigid) = ties.linear_twists(peers, moves, &rubbing.changes, (&held, &self.masses()));
+            let (linear, rigid) = ties.linear_twists(peers, moves, &rubbing.changes, &held, &self.masses());
             rubbing.rigid = gathered_rigid_twists(peers, &rigid);
             rubbing.bodies = self.all_bodies(state, &linear, &held);
             if round == 0 {

@@ -29,15 +29,16 @@ impl<const D: usize> Ties<D> {
     pub fn new(
         peers: Peers,
         interactions: &Interactions<D>,
-        (state, bodies): (&State<D>, &[Constants<D>]),
+        state: &State<D>,
+        bodies: &[Constants<D>],
         moves: &[Twist<D>],
         step: GranularStep,
     ) -> Option<Ties<D>> {
         let (chains, clusters) = (interactions.chains(), interactions.clusters());
         let masses = || -> Vec<f64> { bodies.iter().map(|body| body.mass).collect() };
         let inertias = || -> Vec<f64> { bodies.iter().map(|body| body.inertia / body.mass).collect() };
-        let chains = (!chains.is_empty()).then(|| GranularChains::new(peers, interactions, &chains, (state, &masses()), step));
-        let clusters = (!clusters.is_empty()).then(|| GranularClusters::new(peers, clusters, (state, &inertias()), moves, step.length));
+        let chains = (!chains.is_empty()).then(|| GranularChains::new(peers, interactions, &chains, state, &masses(), step));
+        let clusters = (!clusters.is_empty()).then(|| GranularClusters::new(peers, clusters, state, &inertias(), moves, step.length));
         (chains.is_some() || clusters.is_some()).then_some(Ties { chains, clusters })
     }
 
@@ -57,10 +58,11 @@ impl<const D: usize> Ties<D> {
         &self,
         peers: Peers,
         [wanted, changes]: [&[SVector<f64, D>]; 2],
-        (held, weights): (&[SVector<f64, D>], &[f64]),
+        held: &[SVector<f64, D>],
+        weights: &[f64],
     ) -> (Vec<SVector<f64, D>>, Vec<RigidBalls<D>>) {
         let mut linear = wanted.to_vec();
-        let clusters = self.clusters.as_ref().map(|clusters| clusters.linear(peers, [wanted, changes], (held, weights), &mut linear));
+        let clusters = self.clusters.as_ref().map(|clusters| clusters.linear(peers, [wanted, changes], held, weights, &mut linear));
         (linear, clusters.unwrap_or_default())
     }
 
@@ -71,10 +73,11 @@ impl<const D: usize> Ties<D> {
         peers: Peers,
         wanted: &[Twist<D>],
         changes: &[Twist<D>],
-        held: (&[SVector<f64, D>], &[f64]),
+        held: &[SVector<f64, D>],
+        masses: &[f64],
     ) -> (Vec<Twist<D>>, Vec<RigidTwists<D>>) {
         let mut linear = wanted.to_vec();
-        let clusters = self.clusters.as_ref().map(|clusters| clusters.linear_twists(peers, [wanted, changes], held, &mut linear));
+        let clusters = self.clusters.as_ref().map(|clusters| clusters.linear_twists(peers, [wanted, changes], held, masses, &mut linear));
         (linear, clusters.unwrap_or_default())
     }
 

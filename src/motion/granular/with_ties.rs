@@ -19,17 +19,18 @@ impl<const D: usize> Granular<D> {
     pub(super) fn advance_with_ties(
         &self,
         state: &State<D>,
-        (mut moves, rubbing): (Vec<Twist<D>>, Option<Rubbing<D>>),
+        mut moves: Vec<Twist<D>>,
+        rubbing: Option<Rubbing<D>>,
         length: GranularStep,
         start: Instant,
     ) -> Result<StepOutcome<D>> {
         let (step, rubbed) = (length.length, rubbing.as_ref().map(|rubbing| &rubbing.changes[..]));
-        let mut ties = Ties::new(self.peers(), &self.interactions, (state, &self.bodies), &moves, length);
+        let mut ties = Ties::new(self.peers(), &self.interactions, state, &self.bodies, &moves, length);
         let (mut active_contacts, mut adhesive_contacts, mut kkt_report) = (Vec::new(), Vec::new(), None);
         let (wanted, mut changes) = (velocities(&moves), vec![SVector::zeros(); moves.len()]);
         let touch = self.interactions.touch();
         if touch == Some(Touch::Hard) {
-            let kept = self.keep_apart(state, ties.as_mut(), (&moves, rubbed), length)?;
+            let kept = self.keep_apart(state, ties.as_mut(), &moves, rubbed, length)?;
             active_contacts = apply(&kept.projection, &mut moves);
             (adhesive_contacts, changes) = (kept.adhesive_contacts, kept.changes);
             kkt_report = Some(kept.projection.projection.kkt_report);

@@ -71,8 +71,8 @@ impl<const D: usize> CellCenters<D> {
 fn scatter<const D: usize>(grid: &Grid<D>, fluid: &Vector, sides: impl Iterator<Item = (usize, usize)> + Clone) -> Result<Scatter> {
     let (cells, mut wanted, mut place) = (grid.block(D).len(), Vec::new(), 0);
     for &along_x in beside(grid) {
-        for side in sides.clone() {
-            add_values(grid, side, along_x, place, &mut wanted);
+        for (field, side) in sides.clone() {
+            add_values(grid, field, side, along_x, place, &mut wanted);
             place += cells;
         }
     }
@@ -94,13 +94,7 @@ pub(super) fn beside<const D: usize>(grid: &Grid<D>) -> &'static [isize] {
 
 /// Adds the faces on one side (0 below, 1 above) along the axis of a field, or the pressures, of cells so far along x from this rank's, whose places start with
 /// `place`.
-fn add_values<const D: usize>(
-    grid: &Grid<D>,
-    (field, side): (usize, usize),
-    along_x: isize,
-    mut place: usize,
-    wanted: &mut Vec<WantedRun>,
-) {
+fn add_values<const D: usize>(grid: &Grid<D>, field: usize, side: usize, along_x: isize, mut place: usize, wanted: &mut Vec<WantedRun>) {
     let cells = grid.block(D);
     for cell in cells.flattened(D - 1).indices() {
         let mut face = moved(signed(cell), 0, along_x);

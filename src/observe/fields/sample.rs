@@ -23,7 +23,7 @@ pub fn velocities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVec
         for (number, point) in mine(grid, fluid, points) {
             for component in 0..D {
                 interpolation::velocity(grid, component, point, |term| {
-                    visit(number * D + component, of_velocity((grid, ends.as_ref()), term))
+                    visit(number * D + component, of_velocity(grid, ends.as_ref(), term))
                 });
             }
         }
@@ -36,7 +36,7 @@ pub fn vorticities<const D: usize>(grid: &Grid<D>, fluid: &Vector, points: &[SVe
     let ends = OpenEnds::of(grid, fluid)?;
     sums(fluid, points.len(), |visit| {
         for (number, point) in mine(grid, fluid, points) {
-            curl_at(grid, plane, point, |term| visit(number, of_velocity((grid, ends.as_ref()), term)));
+            curl_at(grid, plane, point, |term| visit(number, of_velocity(grid, ends.as_ref(), term)));
         }
     })
 }
@@ -70,7 +70,7 @@ enum Part {
 }
 
 /// A term of velocities; walls count with their own velocity, open ends with that of the flow.
-fn of_velocity<const D: usize>((grid, ends): (&Grid<D>, Option<&OpenEnds<D>>), term: Term<D>) -> Part {
+fn of_velocity<const D: usize>(grid: &Grid<D>, ends: Option<&OpenEnds<D>>, term: Term<D>) -> Part {
     match (ends.and_then(|ends| ends.at_site(grid, &term.site)), term.site) {
         (Some(value), _) | (None, Site::Wall { value, .. }) => Part::Known(term.weight * value),
         (None, Site::Lattice { field, index }) => of_node(grid.fluid_node(field, index), term.weight),

@@ -205,7 +205,8 @@ impl Plane {
     /// of its group, where groups are coloured.
     pub fn frame<const D: usize>(
         self,
-        (time, shift): (f64, f64),
+        time: f64,
+        shift: f64,
         mut bodies: Vec<FrameBody<D>>,
         groups: &[Option<usize>],
         vorticity: Option<FlowCut>,

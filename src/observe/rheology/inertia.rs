@@ -51,7 +51,7 @@ impl InertialNumbers {
         let stokes = free.map(|body| reynolds(body) * inertia.bodies[body] / (STOKES_OVER_REYNOLDS * inertia.fluid));
         Ok(Some(InertialNumbers {
             kinetic_energy: energy_of_movers(setup, grid, solution, start)?
-                + energy_of((setup, inertia), solution, |density| density, |body| !body.free()),
+                + energy_of(setup, inertia, solution, |density| density, |body| !body.free()),
             reynolds: (0..setup.bodies.len()).map(reynolds).fold(0.0, f64::max),
             stokes: stokes.fold(0.0, f64::max),
             fastest: fastest(grid, &solution.fluid)?,
@@ -78,20 +78,16 @@ fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
 /// PETSc fails.
 pub fn energy_of_movers<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>, start: bool) -> Result<f64> {
     let Some(inertia) = &setup.inertia else { return Ok(0.0) };
-    let excess = energy_of((setup, inertia), solution, |density| density - inertia.fluid, Body::free);
+    let excess = energy_of(setup, inertia, solution, |density| density - inertia.fluid, Body::free);
     let inside_others = match start {
-        true => energy_inside_at_start((setup, inertia), grid, solution)?,
-        false => energy_of((setup, inertia), solution, |_| inertia.fluid, |body| !body.free()),
+        true => energy_inside_at_start(setup, inertia, grid, solution)?,
+        false => energy_of(setup, inertia, solution, |_| inertia.fluid, |body| !body.free()),
     };
     Ok(energy_of_fluid(inertia, grid, solution)? + excess - inside_others)
 }
 
 /// Kinetic energy of the fluid that fills bodies of given motion at the start, when it does not move as they do yet. Collective.
-fn energy_inside_at_start<const D: usize>(
-    (setup, inertia): (&Setup<D>, &Inertia<D>),
-    grid: &Grid<D>,
-    solution: &Solution<D>,
-) -> Result<f64> {
+fn energy_inside_at_start<const D: usize>(setup: &Setup<D>, inertia: &Inertia<D>, grid: &Grid<D>, solution: &Solution<D>) -> Result<f64> {
     let given = setup.bodies.iter().zip(&solution.bodies).filter(|(suspended, _)| !suspended.body.free());
     let balls: Vec<Ball<D>> = given.map(|(suspended, state)| Ball { center: state.center, ..suspended.body.ball }).collect();
     if balls.is_empty() {
@@ -116,7 +112,8 @@ fn energy_of_fluid<const D: usize>(inertia: &Inertia<D>, grid: &Grid<D>, solutio
 
 /// Kinetic energy of some bodies if they had another density that theirs decides.
 fn energy_of<const D: usize>(
-    (setup, inertia): (&Setup<D>, &Inertia<D>),
+    setup: &Setup<D>,
+    inertia: &Inertia<D>,
     solution: &Solution<D>,
     density: impl Fn(f64) -> f64,
     counts: impl Fn(&Body<D>) -> bool,

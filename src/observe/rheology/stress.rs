@@ -71,7 +71,7 @@ impl<const D: usize> Stress<D> {
         let rubs = setup.interactions.friction().is_some_and(|friction| friction.coefficient > 0.0);
         let (moments, rubbed) = (normal_moments(contacts), tangential_stress(contacts));
         let films = solution.lubrication.map(|lubrication| lubrication.stress);
-        let at_a_distance = [solution.pair_stress, load_stress(setup, solution, (shear.flow, shear.gradient))]
+        let at_a_distance = [solution.pair_stress, load_stress(setup, solution, shear.flow, shear.gradient)]
             .into_iter()
             .flatten()
             .reduce(|sum, part| sum + part);

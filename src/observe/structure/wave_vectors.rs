@@ -11,7 +11,7 @@ pub(super) fn for_each_wave_vector<const D: usize>(domain: &Domain<D>, largest: 
     let shift = domain.shift() - domain.size[0] * (domain.shift() / domain.size[0]).round();
     // the axis across which images slide comes after x, of whose number its own depends
     let mut numbers = [0_i64; D];
-    visit_axis(0, &mut numbers, &|axis, numbers: &[i64; D]| wave_numbers(domain, shift, (axis, numbers), largest), &mut |numbers| {
+    visit_axis(0, &mut numbers, &|axis, numbers: &[i64; D]| wave_numbers(domain, shift, axis, numbers, largest), &mut |numbers| {
         if numbers.iter().find(|number| **number != 0).is_some_and(|first| *first > 0) {
             let vector = wave_vector(domain, shift, numbers);
             if vector.norm() < largest {
@@ -38,7 +38,7 @@ fn visit_axis<const D: usize>(
 }
 
 /// Numbers of periods along an axis of wave vectors up to a length, after those along the axes before it.
-fn wave_numbers<const D: usize>(domain: &Domain<D>, shift: f64, (axis, before): (usize, &[i64; D]), largest: f64) -> RangeInclusive<i64> {
+fn wave_numbers<const D: usize>(domain: &Domain<D>, shift: f64, axis: usize, before: &[i64; D], largest: f64) -> RangeInclusive<i64> {
     if !domain.periodic(axis) {
         return 0..=0;
     }

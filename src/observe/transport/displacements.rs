@@ -70,7 +70,7 @@ impl<'a, const D: usize> Displacements<'a, D> {
         let path = match (self.times.last(), self.paths.last()) {
             (Some(&before), Some(path)) => {
                 let mut steps: Vec<SVector<f64, D>> =
-                    self.last.iter().zip(centers).map(|(from, to)| self.displacement((before, from), (time, to))).collect();
+                    self.last.iter().zip(centers).map(|(from, to)| self.displacement(before, from, time, to)).collect();
                 let mean = steps.iter().sum::<SVector<f64, D>>() / steps.len().max(1) as f64;
                 steps.iter_mut().zip(path).for_each(|(step, path)| *step += path - mean);
                 steps
@@ -83,7 +83,7 @@ impl<'a, const D: usize> Displacements<'a, D> {
     }
 
     /// What a body goes besides what the shear carries it.
-    fn displacement(&self, (before, from): (f64, &SVector<f64, D>), (time, to): (f64, &SVector<f64, D>)) -> SVector<f64, D> {
+    fn displacement(&self, before: f64, from: &SVector<f64, D>, time: f64, to: &SVector<f64, D>) -> SVector<f64, D> {
         let domain = self.domain.clone().at(time);
         let Some(shear) = &self.shear else { return domain.nearest_image(to - from) };
         let strain = self.strain(time) - self.strain(before);

@@ -121,7 +121,7 @@ impl<'a, const D: usize> RefinementSequence<'a, D> {
     fn refine(self, worst: Option<Estimate>) -> Result<Self> {
         let RefinementSequence { session, scene, accuracy, cells, suspension, levels, answers } = self;
         drop(suspension);
-        let finer = finer::<D>(session, scene, (accuracy, levels.len(), cells), worst)?;
+        let finer = finer::<D>(session, scene, accuracy, levels.len(), cells, worst)?;
         let suspension = build(session, scene, finer)?;
         Ok(RefinementSequence { session, scene, accuracy, cells: finer, suspension, levels, answers })
     }
@@ -143,7 +143,7 @@ pub fn refine_whole_runs<const D: usize>(session: &Session, scene: &Scene) -> Re
         if levels.len() >= FEWEST_RUNS && worst.is_some_and(|worst| worst.error <= accuracy) {
             return Ok(Calibration { accuracy, cells_per_radius: cells, estimates, levels, ranks: session.world().size() });
         }
-        cells = finer::<D>(session, scene, (accuracy, levels.len(), cells), worst)?;
+        cells = finer::<D>(session, scene, accuracy, levels.len(), cells, worst)?;
     }
 }
 
@@ -157,7 +157,9 @@ fn asked(scene: &Scene) -> Result<f64> {
 fn finer<const D: usize>(
     session: &Session,
     scene: &Scene,
-    (accuracy, grids, cells): (f64, usize, f64),
+    accuracy: f64,
+    grids: usize,
+    cells: f64,
     worst: Option<Estimate>,
 ) -> Result<f64> {
     let finer = match NEXT.get(grids - 1) {

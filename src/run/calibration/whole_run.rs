@@ -40,7 +40,7 @@ struct Followed {
 }
 
 impl Followed {
-    fn add<const D: usize>(&mut self, time: f64, flow: &dyn FlowSolver<D>, (observation, solution): (&Observation<D>, &Solution<D>)) {
+    fn add<const D: usize>(&mut self, time: f64, flow: &dyn FlowSolver<D>, observation: &Observation<D>, solution: &Solution<D>) {
         let (drag, velocity) = of_bodies(flow.setup(), solution);
         self.forces.push((time, drag.iter().map(|force| force * force).sum::<f64>().sqrt()));
         self.fastest.resize(velocity.len(), 0.0);
@@ -61,9 +61,9 @@ impl WholeRun {
             let (Some(flow), Some(solution)) = (simulation.suspension(), &observation.solution) else {
                 return Err(Error::Diverged("a run with inertia has no flow".into()));
             };
-            followed.add(simulation.state().time, flow, (&observation, solution));
+            followed.add(simulation.state().time, flow, &observation, solution);
             if simulation.over() {
-                return WholeRun::ended(flow, solution, followed, (cells, session.world().max(start.elapsed().as_secs_f64())));
+                return WholeRun::ended(flow, solution, followed, cells, session.world().max(start.elapsed().as_secs_f64()));
             }
             simulation.step(&observation, &mut |_, _| {})?;
         }
@@ -73,7 +73,8 @@ impl WholeRun {
         flow: &dyn FlowSolver<D>,
         solution: &Solution<D>,
         followed: Followed,
-        (cells_per_radius, seconds): (f64, f64),
+        cells_per_radius: f64,
+        seconds: f64,
     ) -> Result<WholeRun> {
         let mut answers = CalibrationAnswer::all(flow, solution)?;
         let velocities = answers.iter_mut().filter(|answer| answer.quantity == EstimatedQuantity::Velocity);

@@ -41,7 +41,7 @@ impl<const D: usize> Output<D> for PictureFile {
                     Colour::Species => species_of(&bodies.iter().map(|body| body.radius).collect::<Vec<_>>()),
                     _ => motion.simulation.interactions().group_of(),
                 };
-                let mut still = plane.frame((motion.state().time, motion.domain().shift()), bodies, &groups, None);
+                let mut still = plane.frame(motion.state().time, motion.domain().shift(), bodies, &groups, None);
                 still.wall = plane.wall(view.scene, motion.domain().size.as_slice());
                 if D == 2 {
                     still.contacts = motion.lines_on_first_rank(view.world, plane.axes());

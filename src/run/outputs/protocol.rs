@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::context::{Context, Wanted};
 use crate::{
     error::Result,
-    geometry::Protocol,
+    geometry::{Oscillation, Protocol},
     output::{Columns, OscillationSummary, Summary},
     picture::{Chart, Scale, Series},
     run::{Output, View},
@@ -28,7 +28,7 @@ impl<const D: usize> Output<D> for ProtocolFiles {
         let rows = std::fs::read_to_string(self.folder.join("series.csv")).unwrap_or_default();
         let series = Columns::parse(&rows);
         if let Some(&Protocol::Oscillation { amplitude, frequency }) = view.scene.changing_shear() {
-            summary.oscillation = OscillationSummary::of(&series, (amplitude, frequency), view.scene.flow.viscosity);
+            summary.oscillation = OscillationSummary::of(&series, Oscillation { amplitude, frequency }, view.scene.flow.viscosity);
         }
         if view.viscosity.is_none() {
             return Ok(Vec::new());

@@ -26,16 +26,17 @@ pub fn of_flow<const D: usize>() -> Vec<Quantity<D>> {
                 that move";
     let layer = "thickness of the thinnest layer that the flow has on a body, the slip that it bridges over the slope at the surface, with `sharp`; \
                  empty where there is none";
+    let (unit, meaning) = KINETIC_ENERGY;
     vec![
-        number("kinetic_energy", KINETIC_ENERGY, |_, numbers| numbers.kinetic_energy),
-        number("reynolds", ("", reynolds), |_, numbers| numbers.reynolds),
-        number("stokes", ("", stokes), |_, numbers| numbers.stokes),
-        number("courant", ("cells", "cells that the flow passes in the step"), |view, numbers| {
+        number("kinetic_energy", unit, meaning, |_, numbers| numbers.kinetic_energy),
+        number("reynolds", "", reynolds, |_, numbers| numbers.reynolds),
+        number("stokes", "", stokes, |_, numbers| numbers.stokes),
+        number("courant", "cells", "cells that the flow passes in the step", |view, numbers| {
             let step = view.motion.map_or(0.0, |motion| motion.state().last_step);
             view.flow.map_or(0.0, |flow| numbers.courant(flow.solver.grid(), step))
         })
         .of_run(),
-        number("momentum_residual", ("force; 2D: force/length", lost), |view, _| {
+        number("momentum_residual", "force; 2D: force/length", lost, |view, _| {
             on_grid(view).map_or(0.0, EvolutionOnGrid::momentum_residual)
         })
         .of_run(),
@@ -50,7 +51,8 @@ pub fn of_flow<const D: usize>() -> Vec<Quantity<D>> {
 /// A number of a flow with inertia in a run in time.
 fn number<const D: usize>(
     name: &str,
-    (unit, meaning): (&'static str, &'static str),
+    unit: &'static str,
+    meaning: &'static str,
     of: impl Fn(&View<D>, InertialNumbers) -> f64 + 'static,
 ) -> Quantity<D> {
     Quantity::fallible(name, unit, meaning, move |view| Ok(moving(view)?.map(|numbers| of(view, numbers))))

@@ -131,7 +131,7 @@ pub(in crate::scene) fn read_cells(root: &Table, folder: &Path, dimension: usize
     let read = |entry: &Entry| {
         let table = Table::of(entry, &CELL_KEYS)?;
         let (chain, radius) = chains::read_cells(&table, dimension)?;
-        BodyGroup::tied(&table, folder, dimension, (chain, radius))
+        BodyGroup::tied(&table, folder, dimension, chain, radius)
     };
     groups.iter().map(read).collect()
 }
@@ -279,7 +279,7 @@ impl BodyGroup {
     fn read_chains(entry: &Entry, folder: &Path, dimension: usize) -> Result<Self> {
         let table = Table::of(entry, &CHAIN_KEYS)?;
         let chain = chains::read(&table, dimension)?;
-        let group = BodyGroup::tied(&table, folder, dimension, (chain, read_radius(&table, "0.5")?))?;
+        let group = BodyGroup::tied(&table, folder, dimension, chain, read_radius(&table, "0.5")?)?;
         if let (Placement::Centers(centers), Some(given)) = (&group.placement, table.get("centers")) {
             let remedy = format!("must hold all centres of each chain, {} a chain", chain.beads);
             given.expect((), centers.len() % chain.beads == 0, &remedy)?;
@@ -288,7 +288,7 @@ impl BodyGroup {
     }
 
     /// Bodies that are tied to each other so.
-    fn tied(table: &Table, folder: &Path, dimension: usize, (chain, radius): (Chain, f64)) -> Result<Self> {
+    fn tied(table: &Table, folder: &Path, dimension: usize, chain: Chain, radius: f64) -> Result<Self> {
         Ok(BodyGroup { chain: Some(chain), ..BodyGroup::several(table, folder, dimension, radius)? })
     }
 

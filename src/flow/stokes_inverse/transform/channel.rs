@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex;
 use super::{
     lines::{Lines, TILE, Tile},
     symbols::Symbols,
-    wall_to_wall::{Fields, LANES, LineWorkspace, WallToWall, WaveLine, WithoutWave},
+    wall_to_wall::{Fields, LANES, LineWorkspace, WallToWall, WalledLine, WaveLine, WithoutWave},
 };
 use crate::grid::{Block, Grid};
 
@@ -25,8 +25,8 @@ pub struct ChannelLines<const D: usize> {
 
 impl<const D: usize> ChannelLines<D> {
     /// The lines of a block between the walls of the axis `walled`, already transformed along all other axes.
-    pub fn new(lines: Lines<D>, walled: usize, (grid, shift): (&Grid<D>, f64), symbols: Symbols<D>) -> ChannelLines<D> {
-        let size = (lines.points(), grid.spacing()[walled]);
+    pub fn new(lines: Lines<D>, walled: usize, grid: &Grid<D>, shift: f64, symbols: Symbols<D>) -> ChannelLines<D> {
+        let line = WalledLine { points: lines.points(), spacing: grid.spacing()[walled] };
         let (mut solvers, mut places, across) = (Vec::new(), Vec::new(), lines.across());
         // waves that run in opposite directions have the same solver
         let folded = Block { start: [0; D], end: grid.cells().map(|cells| cells / 2 + 1) }.flattened(walled);
@@ -43,14 +43,14 @@ impl<const D: usize> ChannelLines<D> {
             first[across] -= lane;
             let solver = known[folded.offset(first)].get_or_insert_with(|| {
                 // any number stands for none, whose line is not solved here
-                let numbers = std::array::from_fn(of_lane).map(|number: f64| if number > 0.0 { number } else { 1.0 / size.1 });
-                solvers.push(WallToWall::new(size, numbers, shift));
+                let numbers = std::array::from_fn(of_lane).map(|number: f64| if number > 0.0 { number } else { 1.0 / line.spacing });
+                solvers.push(WallToWall::new(line, numbers, shift));
                 solvers.len() - 1
             });
             places.push((of_lane(lane) > 0.0).then_some((*solver, lane)));
         }
-        let (tile, work) = (vec![Complex::default(); (D + 1) * TILE * size.0], LineWorkspace::new(size.0));
-        ChannelLines { lines, walled, symbols, solvers, without_wave: WithoutWave::new(size, shift), places, tile, work }
+        let (tile, work) = (vec![Complex::default(); (D + 1) * TILE * line.points], LineWorkspace::new(line.points));
+        ChannelLines { lines, walled, symbols, solvers, without_wave: WithoutWave::new(line, shift), places, tile, work }
     }
 
     /// Replaces rows by the solution.

@@ -98,7 +98,7 @@ impl<const D: usize> TransformInverse<D> {
             fields,
             first: RealTransform::new(Lines::new(whole.0[rank], order[0]), lines(0)),
             middle: (1..D - 1).map(|stage| ComplexTransform::new(lines(stage))).collect(),
-            last: LastAxis::new(lines(D - 1), order[D - 1], (grid, stokes.shift())),
+            last: LastAxis::new(lines(D - 1), order[D - 1], grid, stokes.shift()),
             values: (!in_place).then(|| vec![0.0; most(&[&own, &whole])]),
             waves: vec![Complex::default(); most(&stages.iter().collect::<Vec<_>>())],
             value_exchange: Exchange::new(&start, 0.0),
@@ -194,12 +194,12 @@ impl<const D: usize> StokesInverse<D> for TransformInverse<D> {
 }
 
 impl<const D: usize> LastAxis<D> {
-    fn new(lines: Lines<D>, axis: usize, (grid, shift): (&Grid<D>, f64)) -> LastAxis<D> {
+    fn new(lines: Lines<D>, axis: usize, grid: &Grid<D>, shift: f64) -> LastAxis<D> {
         let symbols = Symbols::new(grid);
         if grid.domain().periodic(axis) {
-            LastAxis::Periodic(PeriodicLines::new(lines, axis, (grid, shift), symbols))
+            LastAxis::Periodic(PeriodicLines::new(lines, axis, grid, shift, symbols))
         } else {
-            LastAxis::Channel(ChannelLines::new(lines, axis, (grid, shift), symbols))
+            LastAxis::Channel(ChannelLines::new(lines, axis, grid, shift, symbols))
         }
     }
 

@@ -32,7 +32,7 @@ pub struct PeriodicLines<const D: usize> {
 
 impl<const D: usize> PeriodicLines<D> {
     /// The lines of `block`, already transformed along all other axes than `along`.
-    pub fn new(lines: Lines<D>, along: usize, (grid, shift): (&Grid<D>, f64), symbols: Symbols<D>) -> PeriodicLines<D> {
+    pub fn new(lines: Lines<D>, along: usize, grid: &Grid<D>, shift: f64, symbols: Symbols<D>) -> PeriodicLines<D> {
         let (points, block) = (lines.points(), lines.block());
         let boundary = (grid.shift() > 0 || grid.slope() != 0.0).then(|| Boundary::new(grid, block.start[0]..block.end[0]));
         PeriodicLines {
@@ -66,7 +66,7 @@ impl<const D: usize> PeriodicLines<D> {
                     excess = boundary.excess(along_x(line));
                 }
                 let shift = |point: usize| self.shift + excess.map_or(0.0, |excess| excess[point]);
-                solve_line((factors, shift), self.along, tile.line_start(line), &mut lines[line * points..], size);
+                solve_line(factors, shift, self.along, tile.line_start(line), &mut lines[line * points..], size);
             }
             self.waves.backward(lines);
             if let Some(boundary) = &self.boundary {
@@ -79,7 +79,8 @@ impl<const D: usize> PeriodicLines<D> {
 
 /// Solves for the waves of one line; the values of the fields are `step` apart.
 fn solve_line<const D: usize>(
-    (gradient, shift): ([&[Complex<f64>]; D], impl Fn(usize) -> f64),
+    gradient: [&[Complex<f64>]; D],
+    shift: impl Fn(usize) -> f64,
     along: usize,
     wave: [usize; D],
     line: &mut [Complex<f64>],

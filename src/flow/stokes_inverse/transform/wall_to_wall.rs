@@ -58,6 +58,15 @@ pub struct Fields<'a> {
     pub walled: usize,
 }
 
+/// A line of cells from wall to wall.
+#[derive(Debug, Clone, Copy)]
+pub struct WalledLine {
+    /// How many cells it has.
+    pub points: usize,
+    /// Their length.
+    pub spacing: f64,
+}
+
 /// A line of a wave.
 pub struct WaveLine<const D: usize> {
     /// Which of the waves of a solver it is.
@@ -82,15 +91,16 @@ impl LineWorkspace {
 }
 
 /// What a wave and the shift add to the diagonal, and whether a point lies beside a wall.
-fn diagonal((points, spacing): (usize, f64), number: f64, shift: f64, point: usize) -> f64 {
-    let decay = (number * number + shift) * spacing * spacing;
-    decay + if point == 0 || point == points - 1 { 3.0 } else { 2.0 }
+fn diagonal(line: WalledLine, number: f64, shift: f64, point: usize) -> f64 {
+    let decay = (number * number + shift) * line.spacing * line.spacing;
+    decay + if point == 0 || point == line.points - 1 { 3.0 } else { 2.0 }
 }
 
 impl WallToWall {
-    /// Solver for waves of these `numbers`, none zero, on lines of `points` cells with a `spacing`.
-    pub fn new((points, spacing): (usize, f64), numbers: Lanes<LANES>, shift: f64) -> WallToWall {
-        let tangential = |lane: usize, point: usize| diagonal((points, spacing), numbers[lane], shift, point);
+    /// Solver for waves of these `numbers`, none zero, on lines like this one.
+    pub fn new(line: WalledLine, numbers: Lanes<LANES>, shift: f64) -> WallToWall {
+        let WalledLine { points, spacing } = line;
+        let tangential = |lane: usize, point: usize| diagonal(line, numbers[lane], shift, point);
         let coupled = Coupled::new(OF_CELL * points, |lane, row, column| {
             entry(points, spacing * numbers[lane], tangential(lane, row / OF_CELL), row, column)
         });
@@ -166,10 +176,10 @@ fn take_lane(values: &[Lanes<LANES>; 2], lane: usize) -> Complex<f64> {
 }
 
 impl WithoutWave {
-    /// Solver for lines of `points` cells with a `spacing`.
-    pub fn new((points, spacing): (usize, f64), shift: f64) -> WithoutWave {
-        let diffusion = Tridiagonal::new((0..points).map(|point| diagonal((points, spacing), 0.0, shift, point)));
-        WithoutWave { spacing, shift, diffusion }
+    /// Solver for lines like this one.
+    pub fn new(line: WalledLine, shift: f64) -> WithoutWave {
+        let diffusion = Tridiagonal::new((0..line.points).map(|point| diagonal(line, 0.0, shift, point)));
+        WithoutWave { spacing: line.spacing, shift, diffusion }
     }
 
     /// Without a wave continuity rows give the normal velocity from wall to wall (they must have no mean), then its momentum

@@ -27,7 +27,7 @@ impl<const D: usize> Output<D> for AutocorrelationFiles {
         let Some(motion) = &view.motion else { return Ok(Vec::new()) };
         let (free, shear) = (motion.simulation.free(), view.shear());
         let names = ["velocity-autocorrelation.csv", "velocity-autocorrelation.svg"];
-        let (of_run, written) = measured_by_first_rank(view, motion, (&self.folder, names), |frames| {
+        let (of_run, written) = measured_by_first_rank(view, motion, &self.folder, names, |frames| {
             let mut found = Autocorrelation::new(motion.domain(), shear);
             let first = frames.visit_all(|frame| {
                 let bodies = frame.bodies.iter().zip(&free).filter(|(_, free)| **free).map(|(body, _)| (body.center, body.velocity));

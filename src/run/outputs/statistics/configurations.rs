@@ -54,7 +54,7 @@ impl Configurations {
     /// # Errors
     /// A frame cannot be read.
     pub fn visit_own<const D: usize>(&self, world: &World, visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
-        self.visit((world.rank(), world.size()), visit)
+        self.visit(world.rank(), world.size(), visit)
     }
 
     /// Shows all frames to this rank, one after the other, as [`visit_own`](Self::visit_own) does.
@@ -62,10 +62,10 @@ impl Configurations {
     /// # Errors
     /// A frame cannot be read.
     pub fn visit_all<const D: usize>(&self, mut visit: impl FnMut(StoredFrame<D>)) -> Result<Option<f64>> {
-        self.visit((0, 1), |_, frame| visit(frame))
+        self.visit(0, 1, |_, frame| visit(frame))
     }
 
-    fn visit<const D: usize>(&self, (start, stride): (usize, usize), mut visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
+    fn visit<const D: usize>(&self, start: usize, stride: usize, mut visit: impl FnMut(usize, StoredFrame<D>)) -> Result<Option<f64>> {
         let mut first = None;
         for (number, file) in self.files.iter().enumerate().skip(start).step_by(stride) {
             if file.time()? >= self.begin {
@@ -86,7 +86,8 @@ impl Configurations {
 pub fn measured_by_first_rank<const D: usize, S>(
     view: &View<D>,
     motion: &MotionView<D>,
-    (folder, names): (&Path, [&'static str; 2]),
+    folder: &Path,
+    names: [&'static str; 2],
     measure: impl FnOnce(&Configurations) -> Result<Found<S>>,
 ) -> Result<(Option<S>, Vec<String>)> {
     let begin = steady_from(view.world, view.shear().as_ref(), motion.state().time, view.history.mean());

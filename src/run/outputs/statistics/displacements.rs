@@ -27,7 +27,7 @@ impl<const D: usize> Output<D> for DisplacementFiles {
         let Some(motion) = &view.motion else { return Ok(Vec::new()) };
         let (free, shear) = (motion.simulation.free(), view.shear());
         let names = ["displacements.csv", "displacements.svg"];
-        let (of_run, written) = measured_by_first_rank(view, motion, (&self.folder, names), |frames| {
+        let (of_run, written) = measured_by_first_rank(view, motion, &self.folder, names, |frames| {
             let mut found = Displacements::new(motion.domain(), shear);
             let first = frames.visit_all(|frame| {
                 let centers = frame.bodies.iter().zip(&free).filter(|(_, free)| **free).map(|(body, _)| body.center);

@@ -31,7 +31,7 @@ impl<const D: usize> Output<D> for StructureFactorFiles {
             (Some(motion), _) => {
                 let begin = steady_from(view.world, view.shear().as_ref(), motion.state().time, view.history.mean());
                 let radii: Vec<f64> = motion.simulation.whole_balls().iter().map(|ball| ball.radius).collect();
-                over_frames(view, &self.folder, begin, (motion.domain(), &radii))?
+                over_frames(view, &self.folder, begin, motion.domain(), &radii)?
             }
             (None, Some(flow)) => {
                 let setup = flow.solver.setup();
@@ -57,7 +57,8 @@ fn over_frames<const D: usize>(
     view: &View<D>,
     folder: &Path,
     begin: f64,
-    (domain, radii): (&Domain<D>, &[f64]),
+    domain: &Domain<D>,
+    radii: &[f64],
 ) -> Result<Option<(StructureFactor<D>, f64)>> {
     let configurations = view.world.agree(Configurations::since(begin, folder))?;
     let Some(mut found) = StructureFactor::new(domain, radii, configurations.len()) else { return Ok(None) };
