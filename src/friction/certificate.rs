@@ -21,6 +21,8 @@ pub struct Certified<'a, const D: usize> {
     pub view: &'a View<D>,
     /// Their masses and moments of inertia.
     pub masses: &'a [[f64; 2]],
+    /// Motions that they had at the start.
+    pub starts: &'a [Twist<D>],
     /// Motions that they wanted.
     pub twists: &'a [Twist<D>],
     /// Motions that they have.
@@ -114,18 +116,19 @@ impl<const D: usize> Certified<'_, D> {
         }
     }
 
-    /// The change of the kinetic energy of a body, as the product of a change and a sum.
+    /// What contacts did on a body: their impulse times the mean of its motions at the start and at the end, so that it is with the work of other forces the
+    /// change of the kinetic energy.
     fn work(&self, body: usize) -> f64 {
-        let ([mass, inertia], [before, after]) = (self.masses[body], [&self.twists[body], &self.ends[body]]);
+        let ([mass, inertia], [start, wanted, end]) = (self.masses[body], [&self.starts[body], &self.twists[body], &self.ends[body]]);
         // what is fixed to a wall moves with it
         if mass.is_infinite() || self.wall.is_some_and(|wall| body != wall.place && wall.carries(body)) {
             return 0.0;
         }
-        let moved = mass * (after.velocity - before.velocity).dot(&(after.velocity + before.velocity));
+        let moved = mass * (end.velocity - wanted.velocity).dot(&(end.velocity + start.velocity));
         // a wall does not turn
         let inertia = if inertia.is_finite() { inertia } else { 0.0 };
         // a skew matrix has each component of the spin twice
-        let turned = 0.5 * inertia * (after.spin - before.spin).dot(&(after.spin + before.spin));
+        let turned = 0.5 * inertia * (end.spin - wanted.spin).dot(&(end.spin + start.spin));
         0.5 * (moved + turned)
     }
 }

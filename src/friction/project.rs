@@ -259,13 +259,11 @@ impl<'a, const D: usize> Rounds<'a, D> {
         let Cost { sweeps, iterations } = self.cost;
         let tolerance = FrictionReport::tolerance_of(self.friction.tolerance);
         let mut friction = FrictionReport { sweeps, iterations, tolerance, ..FrictionReport::default() };
-        let FrictionShare { surfaces, duration, .. } = *self.friction;
-        certify(
-            peers,
-            &Certified { domain, view, masses, twists, ends, contacts, step, duration, surfaces, wall: self.share.problem.wall },
-            whole,
-            &mut friction,
-        );
+        let FrictionShare { surfaces, duration, starts, .. } = *self.friction;
+        let (velocities, spins): (Vec<_>, Vec<_>) = starts.iter().map(|start| (start.velocity, start.spin)).unzip();
+        let (starts, wall) = (&view.halo.spread_twists(peers, &velocities, &spins), self.share.problem.wall);
+        let certified = Certified { domain, view, masses, starts, twists, ends, contacts, step, duration, surfaces, wall };
+        certify(peers, &certified, whole, &mut friction);
         let KktReport { smallest_gap, iterations, solver, rounds, largest_island, .. } = *found;
         KktReport { smallest_gap, iterations, solver, rounds, largest_island, friction: Some(friction), ..report }
     }

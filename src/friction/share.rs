@@ -5,13 +5,18 @@ use std::collections::BTreeMap;
 use nalgebra::{SMatrix, SVector};
 
 use super::SurfaceFriction;
-use crate::contact::{ContactForce, Identity, KktReport};
+use crate::{
+    body::Twist,
+    contact::{ContactForce, Identity, KktReport},
+};
 
 /// The own bodies of a rank as friction knows them, besides their [`Problem`](crate::contact::Problem), whose weights are masses over the duration.
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionShare<'a, const D: usize> {
     /// Coefficients of friction of all surfaces.
     pub surfaces: &'a SurfaceFriction,
+    /// Motions at the start of the step.
+    pub starts: &'a [Twist<D>],
     /// Spins wanted.
     pub spins: &'a [SMatrix<f64, D, D>],
     /// Moments of inertia, infinite where a motion is given.

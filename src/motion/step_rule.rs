@@ -11,7 +11,7 @@ use crate::{
     contact::{ContactForce, Partner, bodies_of},
     error::Result,
     interaction::Interactions,
-    mechanics::unsteady::starts_at_once,
+    mechanics::starts_at_once,
     scene::Scheme,
     setup::{ContactHistory, State},
     system::ResidualMonitor,

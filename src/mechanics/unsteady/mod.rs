@@ -44,6 +44,7 @@ use crate::{
     body::{Row, Twist, planes},
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
+    geometry::{Ball, fraction},
     grid::{Grid, operators::signed},
     interaction::Wrench,
     petsc::{Scatter, Session, Stage, Vector, enter},
@@ -232,7 +233,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             }
         }
         drop(values);
-        self.start_free_bodies(centers, &mut fluid)?;
+        self.start_bodies(centers, &mut fluid)?;
         Ok(fluid)
     }
 
@@ -303,21 +304,21 @@ impl<const D: usize> UnsteadySuspension<D> {
         starts.map(|(suspended, start)| suspended.body.given_motion().unwrap_or(*start)).collect()
     }
 
-    /// Lets what lies inside free bodies move as they do.
-    fn start_free_bodies(&self, centers: &[SVector<f64, D>], fluid: &mut Vector) -> Result<()> {
-        let (grid, starts) = (&self.fixed.grid, &self.inertia().starts);
-        let (mut places, mut changes) = (Vec::new(), Vec::new());
-        for (suspended, (center, start)) in self.fixed.setup.bodies.iter().zip(centers.iter().zip(starts)) {
-            if suspended.body.free() && *start != Twist::zero() {
-                each_inside(grid, center, suspended.body.ball.radius, |Point { component, place, offset, shear, .. }| {
-                    places.push(place);
-                    changes.push((start.at(&offset) - shear)[component]);
-                });
-            }
+    /// Lets what lies inside bodies move as they do, of points of the grid the part that bodies fill around them.
+    fn start_bodies(&self, centers: &[SVector<f64, D>], fluid: &mut Vector) -> Result<()> {
+        let (grid, size) = (&self.fixed.grid, self.fixed.grid.spacing());
+        let (mut places, mut motions) = (Vec::new(), Vec::new());
+        let bodies = if starts_at_once(&self.fixed.setup) { &self.fixed.setup.bodies[..] } else { &[] };
+        for ((suspended, start), center) in bodies.iter().zip(self.starting_motions()).zip(centers) {
+            let ball = Ball { center: SVector::zeros(), radius: suspended.body.ball.radius };
+            each_inside(grid, center, ball.radius + 0.5 * size.norm(), |Point { component, place, offset, shear, .. }| {
+                places.push(place);
+                motions.push((fraction(&ball, &offset, &size), (start.at(&offset) - shear)[component]));
+            });
         }
         let mut scatter = Scatter::new(fluid, &places)?;
         let rest = scatter.fetch(fluid)?.to_vec();
-        changes.iter_mut().zip(rest).for_each(|(change, rest)| *change -= rest);
+        let changes: Vec<f64> = motions.iter().zip(rest).map(|((part, velocity), rest)| part * (velocity - rest)).collect();
         scatter.places().copy_from_slice(&changes);
         scatter.add_back(fluid)
     }
@@ -334,7 +335,9 @@ impl<const D: usize> UnsteadySuspension<D> {
                 self.recent = RecentHistories::default();
             }
         }
-        let (last, earlier) = (self.past[0].0.time, self.past.get(1).map(|(level, _)| level.time));
+        // what has jumped in the first step is none of a rate of change
+        let jumped = self.past.len() == 2 && starts_at_once(&self.fixed.setup);
+        let (last, earlier) = (self.past[0].0.time, self.past.get(1).filter(|_| !jumped).map(|(level, _)| level.time));
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
         self.of_impulse = weights.of_impulse();
         let shift = self.inverse_diffusivity() * weights.rate[0];
@@ -362,7 +365,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
         let levels: Vec<(&Level<D>, &Extended<D>)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
         let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
-        let convection = convection_weights(times[0] + weights.step, &times);
+        let earlier = if weights.rate[2] == 0.0 { &times[..1] } else { &times };
+        let convection = convection_weights(times[0] + weights.step, earlier);
         let viscous = weights.of_known_flux(weights.step / (inverse_diffusivity * self.fixed.grid.spacing().min().powi(2)));
         let past = Past { levels: &levels, weights, convection, viscous, inverse_diffusivity, kept };
         let body_types = self.fixed.method.jumps().then_some(&self.fixed.body_types);

@@ -7,7 +7,13 @@ use std::time::Instant;
 
 use nalgebra::SVector;
 
-use super::{Granular, all_bodies::AllBodies, chains::GranularStep, pressed_wall::PressedWall, velocities};
+use super::{
+    Granular,
+    all_bodies::{AllBodies, all_twists},
+    chains::GranularStep,
+    pressed_wall::PressedWall,
+    velocities,
+};
 use crate::{
     body::{Regions, Twist},
     contact::{ContactForce, KktReport, LoadedWall, Problem, ProblemShare, bodies_of, project_share},
@@ -78,7 +84,7 @@ impl<const D: usize> Granular<D> {
         let share = ProblemShare { problem, regions: &regions, spanning: (&self.session).into() };
         let history = state.whole_contact_history(self.session.world());
         let found = if self.interactions.friction().is_some() {
-            self.press_with_friction(&share, all, &history, step.push)?
+            self.press_with_friction(state, &share, all, &history, step.push)?
         } else {
             let memory = history.iter().map(|contact| (wall.of_body(contact.identity()), contact.force)).collect();
             let projection = project_share(Peers::Alone, &share, &memory)?.projection;
@@ -96,6 +102,7 @@ impl<const D: usize> Granular<D> {
     /// The same with friction.
     fn press_with_friction(
         &self,
+        state: &State<D>,
         share: &ProblemShare<D>,
         all: &AllBodies<D>,
         history: &[ContactHistory<D>],
@@ -107,10 +114,21 @@ impl<const D: usize> Granular<D> {
         let inertias: Vec<f64> = all.masses.iter().map(|[_, inertia]| *inertia).collect();
         let spins: Vec<_> = all.twists.iter().map(|twist| twist.spin).collect();
         let (surfaces, tolerance) = (&self.interactions.surfaces(), self.friction_tolerance());
-        let friction = FrictionShare { surfaces, spins: &spins, inertias: &inertias, duration, tolerance, last: &last };
+        let starts = self.starts_with_wall(state, wall.axis);
+        let friction = FrictionShare { surfaces, starts: &starts, spins: &spins, inertias: &inertias, duration, tolerance, last: &last };
         let found = project_with_friction(Peers::Alone, share, &friction, &memory)?;
         let twists = found.velocities.iter().zip(&found.spins).map(|(&velocity, &spin)| Twist { velocity, spin }).collect();
         Ok(Pressed { twists, forces: found.forces, on_wall: SVector::zeros(), kkt_report: found.kkt_report })
+    }
+}
+
+impl<const D: usize> Granular<D> {
+    /// Motions of all bodies at the start of a step, and that of the wall, across this axis. Collective.
+    fn starts_with_wall(&self, state: &State<D>, axis: usize) -> Vec<Twist<D>> {
+        let own: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
+        let velocity = state.wall.map_or(0.0, |wall| wall.velocity);
+        let wall = Twist { velocity: SVector::from_fn(|other, _| if other == axis { velocity } else { 0.0 }), ..Twist::zero() };
+        [all_twists(self.peers(), state, &own), vec![wall]].concat()
     }
 }
 

@@ -210,7 +210,11 @@ impl<const D: usize> Granular<D> {
     /// The motions of own bodies at the time of a state. Collective.
     fn carried_on(&self, state: &State<D>) -> Vec<Twist<D>> {
         let (bodies, accelerations, groups) = (&self.bodies, &self.known.accelerations, &self.groups);
-        let mut twists = HalfStepBehind { state, bodies, accelerations, groups, lag: self.lag(state) }.carried_on(self.peers());
+        let behind = HalfStepBehind { state, bodies, accelerations, groups, lag: self.lag(state) };
+        let mut twists = behind.carried_on(self.peers());
+        if !self.interactions.clusters().is_empty() {
+            Ties::turn_clusters_on(self.peers(), &self.interactions, state, bodies, &behind.pushed(self.peers()), &mut twists);
+        }
         self.trajectories
             .twists(state.time)
             .for_each(|(body, twist)| state.place(body).into_iter().for_each(|place| twists[place] = twist));
@@ -444,6 +448,20 @@ fn velocities<const D: usize>(moves: &[Twist<D>]) -> Vec<SVector<f64, D>> {
     moves.iter().map(|twist| twist.velocity).collect()
 }
 
+impl<const D: usize> Granular<D> {
+    /// How surfaces of own bodies move by rotation, where that changes: by torques, or where surfaces rub.
+    fn turns(&self, state: &State<D>) -> Vec<BodyMotion<D>> {
+        let rubs = self.interactions.friction().is_some();
+        let along = |size: f64| SVector::from_fn(|axis, _| if axis == 0 { size } else { 0.0 });
+        let turn = |((body, acceleration), &radius): ((&Moving<D>, &Acceleration<D>), &f64)| {
+            let [spin, spin_up] = [body.twist.spin, acceleration.spin].map(|spin| spin.norm() * std::f64::consts::FRAC_1_SQRT_2);
+            let motion = BodyMotion { radius, velocity: along(spin * radius), acceleration: along(spin_up * radius) };
+            (spin_up > 0.0 || rubs && spin > 0.0).then_some(motion)
+        };
+        state.bodies.iter().zip(&self.known.accelerations).zip(&self.radii).filter_map(turn).collect()
+    }
+}
+
 impl<const D: usize> Stepper<D> for Granular<D> {
     fn view(&self) -> StepperView<'_, D> {
         let twists_now = Some(&self.known.twists[..]).filter(|twists| twists.len() == self.bodies.len());
@@ -488,6 +506,7 @@ impl<const D: usize> Stepper<D> for Granular<D> {
                 acceleration: pulls.get(place).map_or(acceleration.velocity, |pull| acceleration.velocity + pull / self.bodies[place].mass),
             })
             .chain(wall)
+            .chain(self.turns(state))
             .collect();
         let farthest = |place: usize| self.step_control.time.travel * self.radii[place];
         let stable = self.trajectories.longest_step(state.time, |body| state.place(body).map_or(f64::INFINITY, farthest));

@@ -42,6 +42,22 @@ impl<const D: usize> Ties<D> {
         (chains.is_some() || clusters.is_some()).then_some(Ties { chains, clusters })
     }
 
+    /// Gives balls of clusters the motions of their clusters where they are, next to those that forces make of them one by one. Collective.
+    pub fn turn_clusters_on(
+        peers: Peers,
+        interactions: &Interactions<D>,
+        state: &State<D>,
+        bodies: &[Constants<D>],
+        pushed: &[Twist<D>],
+        twists: &mut [Twist<D>],
+    ) {
+        let inertias: Vec<f64> = bodies.iter().map(|body| body.inertia / body.mass).collect();
+        let clusters = GranularClusters::new(peers, interactions.clusters(), state, &inertias, pushed, 0.0);
+        let velocities: Vec<SVector<f64, D>> = pushed.iter().map(|twist| twist.velocity).collect();
+        let unchanged = vec![SVector::zeros(); pushed.len()];
+        clusters.turn(peers, [&velocities, &unchanged], &mut pushed.to_vec(), twists);
+    }
+
     /// The velocities that carry the own bodies over the step by ties alone, next to wanted ones that contacts change. Collective.
     pub fn hold(&mut self, peers: Peers, wanted: &[SVector<f64, D>], changes: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
         let free: Vec<SVector<f64, D>> = wanted.iter().zip(changes).map(|(wanted, change)| wanted + change).collect();

@@ -44,28 +44,46 @@ pub struct HalfStepBehind<'a, const D: usize> {
 
 impl<const D: usize> HalfStepBehind<'_, D> {
     /// Their motions at the time of their places. Forces carry on bodies that nothing touches; those in contact, and what is tied to them, keep the
-    /// motions with which their contacts were left. What is tied is carried on as a whole. Collective.
+    /// motions with which their contacts were left. What is tied is carried on as a whole; clusters do not turn on yet. Collective.
     pub fn carried_on(&self, peers: Peers) -> Vec<Twist<D>> {
-        let state = self.state;
-        let touching =
-            state.contact_history.iter().map(ContactHistory::identity).chain(state.adhesive_contacts.iter().map(AdhesiveContact::identity));
-        let mut touched = vec![false; state.bodies.len()];
-        touching.flat_map(bodies_of).filter_map(|body| state.place(body)).for_each(|place| touched[place] = true);
+        let (state, touched) = (self.state, self.touched());
         let of_groups = self.group_accelerations(peers, &touched);
         let now = |(place, body): (usize, &Moving<D>)| match self.group(state.number(place)) {
-            Some(group) => Twist { velocity: body.twist.velocity + of_groups[group] * self.lag, ..body.twist },
+            Some(group) => {
+                Twist { velocity: body.twist.velocity + of_groups[group].unwrap_or_else(SVector::zeros) * self.lag, ..body.twist }
+            }
             None if touched[place] => body.twist,
             None => self.accelerations[place].after(&body.twist, self.lag),
         };
         state.bodies.iter().enumerate().map(now).collect()
     }
 
+    /// What forces make of the motions of tied bodies one by one; of those that nothing touches. Collective.
+    pub fn pushed(&self, peers: Peers) -> Vec<Twist<D>> {
+        let of_groups = self.group_accelerations(peers, &self.touched());
+        let pushed = |(place, body): (usize, &Moving<D>)| match self.group(self.state.number(place)) {
+            Some(group) if of_groups[group].is_some() => self.accelerations[place].after(&body.twist, self.lag),
+            _ => body.twist,
+        };
+        self.state.bodies.iter().enumerate().map(pushed).collect()
+    }
+
+    /// Of each own body whether it touches another.
+    fn touched(&self) -> Vec<bool> {
+        let state = self.state;
+        let touching =
+            state.contact_history.iter().map(ContactHistory::identity).chain(state.adhesive_contacts.iter().map(AdhesiveContact::identity));
+        let mut touched = vec![false; state.bodies.len()];
+        touching.flat_map(bodies_of).filter_map(|body| state.place(body)).for_each(|place| touched[place] = true);
+        touched
+    }
+
     fn group(&self, number: usize) -> Option<usize> {
         self.groups.get(number).copied().flatten()
     }
 
-    /// Mean accelerations of what is tied together; zero where anything touches it. Collective.
-    fn group_accelerations(&self, peers: Peers, touched: &[bool]) -> Vec<SVector<f64, D>> {
+    /// Mean accelerations of what is tied together; none where anything touches it. Collective.
+    fn group_accelerations(&self, peers: Peers, touched: &[bool]) -> Vec<Option<SVector<f64, D>>> {
         let count = self.groups.iter().flatten().max().map_or(0, |last| last + 1);
         if count == 0 {
             return Vec::new();
@@ -80,7 +98,7 @@ impl<const D: usize> HalfStepBehind<'_, D> {
             (0..D).for_each(|axis| sum[2 + axis] += own.mass * acceleration.velocity[axis]);
         }
         peers.sum(&mut sums);
-        let mean = |sum: &[f64]| if sum[1] > 0.0 { SVector::zeros() } else { SVector::from_fn(|axis, _| sum[2 + axis] / sum[0]) };
+        let mean = |sum: &[f64]| (sum[1] == 0.0).then(|| SVector::from_fn(|axis, _| sum[2 + axis] / sum[0]));
         sums.chunks(D + 2).map(mean).collect()
     }
 }

@@ -7,6 +7,7 @@ use super::context::{Context, Wanted, boxed};
 use super::step_table::StepTable;
 use crate::{
     error::{Error, Result},
+    mechanics::starts_at_once,
     motion::Simulation,
     observe::EnergyRates,
     output::{Columns, EnergySummary, Summary},
@@ -72,10 +73,10 @@ impl Balance {
         Balance { time, start: rates.kinetic_energy, rates, work: 0.0, dissipated: 0.0, by_films: 0.0, by_contacts: 0.0 }
     }
 
-    /// The balance a step later: rates count with their mean over the step. In a first step with a jump from rest, too: what moves things there is its
-    /// force, an impulse, times the mean of the velocities before and after, half of what it is at the end.
-    fn after(self, time: f64, rates: EnergyRates) -> Balance {
-        let over_step = |before: f64, after: f64| 0.5 * (time - self.time) * (before + after);
+    /// The balance a step later: rates count with their mean over the step, of which those before it have a part. In a first step with a jump from rest half,
+    /// too: what moves things there is its force, an impulse, times the mean of the velocities before and after, half of what it is at the end.
+    fn after(self, time: f64, rates: EnergyRates, part: f64) -> Balance {
+        let over_step = |before: f64, after: f64| (time - self.time) * (part * before + (1.0 - part) * after);
         let films = |rates: &EnergyRates| rates.films.unwrap_or(0.0);
         Balance {
             time,
@@ -139,7 +140,9 @@ impl<const D: usize> Output<D> for EnergyFile {
         let contacts = &motion.observation.contacts;
         let Some(rates) = EnergyRates::of(flow.solver, flow.solution, contacts, view.viscosity)? else { return Ok(()) };
         let (steps, time) = (motion.state().steps, motion.state().time);
-        let balance = self.balance.map_or_else(|| Balance::begin(time, rates), |before| before.after(time, rates));
+        // the force of a jump is an impulse, which the step after it does not have
+        let part = if steps == 2 && starts_at_once(flow.solver.setup()) { 0.0 } else { 0.5 };
+        let balance = self.balance.map_or_else(|| Balance::begin(time, rates), |before| before.after(time, rates, part));
         self.balance = Some(balance);
         let touching = flow.solver.setup().interactions.touch().is_some();
         let cell = |(name, value): (&'static str, Option<f64>)| value.map(|value| real(name, value));
@@ -171,7 +174,7 @@ mod tests {
     }
 
     fn balance() -> Balance {
-        Balance::begin(0.0, rates(1.0, 2.0, 0.5)).after(0.5, rates(1.25, 3.0, 0.75)).after(1.0, rates(2.0, 5.0, 1.25))
+        Balance::begin(0.0, rates(1.0, 2.0, 0.5)).after(0.5, rates(1.25, 3.0, 0.75), 0.5).after(1.0, rates(2.0, 5.0, 1.25), 0.5)
     }
 
     #[test]
@@ -179,6 +182,9 @@ mod tests {
         let found = balance();
         assert_eq!((found.work, found.dissipated, found.by_contacts), (1.25 + 2.0, 0.3125 + 0.5, 0.25));
         assert_eq!(found.unbalanced(), 3.25 - 0.8125 - 0.25 - 1.0);
+        let after_a_jump =
+            Balance::begin(0.0, rates(0.0, 0.0, 0.0)).after(0.5, rates(1.0, 8.0, 0.5), 0.5).after(1.0, rates(1.0, 1.0, 0.5), 0.0);
+        assert_eq!((after_a_jump.work, after_a_jump.dissipated), (2.0 + 0.5, 0.125 + 0.25));
     }
 
     #[test]

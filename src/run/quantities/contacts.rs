@@ -75,9 +75,12 @@ pub fn friction<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new("friction_residual", "ratio", residual, |view| Some(slid(view)?.residual)).of_run(),
         Quantity::new("sticking", "", "contacts that press and do not slide", |view| Some(slid(view)?.sticking)),
         Quantity::new("slipping", "", "contacts that press and slide", |view| Some(slid(view)?.slipping)),
-        Quantity::new("contact_work", "energy; 2D: energy/length", "work of contact forces on free bodies in the step", |view| {
-            Some(slid(view)?.work)
-        }),
+        Quantity::new(
+            "contact_work",
+            "energy; 2D: energy/length",
+            "work of contact forces on free bodies in the step: with that of other forces the change of their kinetic energy",
+            |view| Some(slid(view)?.work),
+        ),
         Quantity::new("friction_sweeps", "", "most sweeps over an island with friction", |view| Some(slid(view)?.sweeps)).of_run(),
         Quantity::new("friction_iterations", "", "most iterations of the interior point on one", |view| Some(slid(view)?.iterations))
             .of_run(),
