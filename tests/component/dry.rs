@@ -25,6 +25,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(an_impact_on_a_touching_row_is_shared_by_all),
         Test::of(a_ball_touches_the_floor_in_the_first_step_that_would_pass_it_and_stays),
         Test::of(the_impulse_of_the_floor_takes_the_momentum_that_gravity_gave),
+        Test::of(a_column_at_rest_bears_its_weight_in_steps_of_any_length),
+        Test::of(a_load_below_the_critical_one_rubs_in_no_step),
         Test::of(the_momentum_of_a_head_on_pair_is_kept),
         Test::of(colliding_disks_never_gain_energy_and_never_overlap_however_long_the_step),
         Test::of(a_body_whose_motion_is_given_pushes_a_free_one),
@@ -197,15 +199,73 @@ fn the_impulse_of_the_floor_takes_the_momentum_that_gravity_gave(session: &Sessi
     let (length, steps) = (0.01, 30);
     for scheme in SCHEMES {
         let mut simulation = falling(session, length, scheme);
-        let mut impulse = 0.0;
+        let (mut impulse, mut before) = (0.0, 0.0);
         for _ in 0..steps {
             step(&mut simulation);
-            impulse += simulation.whole_state().contact_history.iter().map(|contact| contact.force * length).sum::<f64>();
+            // forces act from the middle of the step before to that of this one
+            let duration = if scheme == Scheme::Euler { length } else { 0.5 * (before + length) };
+            impulse += simulation.whole_state().contact_history.iter().map(|contact| contact.force * duration).sum::<f64>();
+            before = length;
         }
         let pushed = length * f64::from(steps) - if scheme == Scheme::Euler { 0.0 } else { 0.5 * length };
         let expected = 0.4 + GRAVITY * pushed;
         // thirty interior-point solves, each to about 1e-12
         assert!((impulse / expected - 1.0).abs() < 1e-10, "{scheme:?}: {impulse} instead of {expected}");
+    }
+}
+
+fn a_column_at_rest_bears_its_weight_in_steps_of_any_length(session: &Session) {
+    let text = |contact: &str, bodies: &str| {
+        format!(
+            "gravity = [0.0, -1.0]\ndomain = {{ size = [8.0, 8.0], y = \"walls\" }}\nflow = {{ model = \"none\" }}\n\
+             contact = {{ model = \"inelastic\"{contact} }}\ntime = {{ end = 0.23, step = 0.1 }}\n{bodies}\n"
+        )
+    };
+    let disks = "bodies = [{ radius = 0.5, centers = [[3.0, 0.5], [3.0, 1.5]], density = 1.0 }]";
+    let rod =
+        "clusters = [{ shape = \"rod\", beads = 2, radius = 0.5, centers = [[3.0, 1.0]], rotation = 1.5707963267948966, density = 1.0 }]";
+    let mass = 0.25 * std::f64::consts::PI;
+    // what holds a cluster and contacts agree to 1e-7 of a radius in a step
+    for (contact, bodies, forces, error) in [
+        ("", disks, vec![1.0, 2.0], 1e-8),
+        (", friction = 0.5", disks, vec![1.0, 2.0], 1e-8),
+        ("", rod, vec![2.0], 1e-4),
+        (", friction = 0.5", rod, vec![2.0], 1e-4),
+    ] {
+        let scene = Scene::parse("column", Path::new("."), &text(contact, bodies), &[]).unwrap();
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        let mut lengths = Vec::new();
+        while !simulation.over() {
+            lengths.push(step(&mut simulation).length);
+            let mut found: Vec<f64> = simulation.whole_state().contact_history.iter().map(|contact| contact.force / mass).collect();
+            found.sort_by(f64::total_cmp);
+            let exact = found.len() == forces.len() && found.iter().zip(&forces).all(|(found, force)| (found / force - 1.0).abs() < error);
+            assert!(exact, "{contact} {bodies}, steps {lengths:?}: {found:?}");
+        }
+        assert!(lengths.len() == 3 && lengths[2] < 0.05, "{lengths:?}");
+    }
+}
+
+/// A disk on an incline whose weight across it is below the critical load slides freely, in steps that shrink too.
+fn a_load_below_the_critical_one_rubs_in_no_step(session: &Session) {
+    let angle = std::f64::consts::PI / 6.0;
+    let weight = 0.25 * std::f64::consts::PI * angle.cos();
+    for (load, rubs) in [(1.01, false), (0.97, true)] {
+        let text = format!(
+            "gravity = [0.5, {}]\ndomain = {{ size = [90.0, 6.0], y = \"walls\" }}\nflow = {{ model = \"none\" }}\ntime = {{ end = 4.0 }}\n\
+             contact = {{ model = \"inelastic\", friction = {{ coefficient = 0.5, critical_load = {} }} }}\n\
+             bodies = [{{ radius = 0.5, centers = [[2.0, 0.5]], density = 1.0 }}]\n",
+            -angle.cos(),
+            load * weight
+        );
+        let scene = Scene::parse("incline", Path::new("."), &text, &[]).unwrap();
+        let mut simulation = Simulation::<2>::new(session, &scene).unwrap();
+        while !simulation.over() {
+            step(&mut simulation);
+        }
+        let way = simulation.whole_state().bodies[0].center[0] - 2.0;
+        let exact = 4.0 - if rubs { 0.5 * 0.03 * angle.cos() * 8.0 } else { 0.0 };
+        assert!((way - exact).abs() < 1e-9, "{load}: {way} for {exact}");
     }
 }
 

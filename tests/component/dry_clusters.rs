@@ -16,6 +16,7 @@ use crate::{Test, dry::smallest_gap};
 pub fn tests() -> Vec<Test> {
     vec![
         Test::of(a_free_cluster_tumbles_as_eulers_equations_say_at_second_order),
+        Test::of(a_rod_under_a_torque_turns_as_its_inertia_says_in_steps_of_any_length),
         Test::of(a_slanting_rod_that_lands_on_one_end_turns_as_its_inertia_says),
         Test::of(clusters_that_pile_up_keep_their_shape_and_lose_energy),
         Test::only_on(1, heaps_of_rods_come_to_rest_without_overlap),
@@ -90,6 +91,32 @@ fn a_free_cluster_tumbles_as_eulers_equations_say_at_second_order(session: &Sess
         (state.bodies[2].rotation - exact).norm()
     });
     assert!((errors[0] / errors[1]).log2() > 1.9 && errors[1] < 2e-3, "{errors:?}");
+}
+
+/// From rest by `T t^2 / 2 I`, with spin and energy of the time of the places.
+fn a_rod_under_a_torque_turns_as_its_inertia_says_in_steps_of_any_length(session: &Session) {
+    let (torque, end) = (0.3, 4.0);
+    let inertia = 2.0 * (0.125 + 0.25) * 0.25 * PI;
+    let (angle, spin) = (0.5 * torque * end * end / inertia, torque * end / inertia);
+    for length in ["0.2", "\"auto\""] {
+        let text = format!(
+            "domain = {{ size = [10.0, 10.0] }}\nflow = {{ model = \"none\" }}\ntime = {{ end = {end}, step = {length} }}\n\
+             clusters = [{{ shape = \"rod\", beads = 2, radius = 0.5, centers = [[5.0, 5.0]], torque = {torque} }}]\n"
+        );
+        let mut simulation = Simulation::<2>::new(session, &scene(&text)).unwrap();
+        while !simulation.over() {
+            step(&mut simulation);
+        }
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        let mut energy = [observation.kinetic_energy.unwrap()];
+        session.world().sum(&mut energy);
+        assert!((energy[0] / (0.5 * inertia * spin * spin) - 1.0).abs() < 1e-9, "{length}: {}", energy[0]);
+        for body in &simulation.whole_state().bodies {
+            let turned = body.rotation[(1, 0)].atan2(body.rotation[(0, 0)]);
+            let off = (turned - angle).sin().abs();
+            assert!(off < 1e-9, "{length}: {turned} for {angle}");
+        }
+    }
 }
 
 /// Two touching balls whose line makes an angle with the floor; the lower one is stopped by an impulse `J = u / (1/M + d^2 / I)`, with `d` how far the

@@ -24,6 +24,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(the_smoother_surface_of_a_contact_counts),
         Test::of(a_ball_that_slides_rolls_after_the_exact_time_at_the_exact_speed),
         Test::of(a_floor_that_moves_takes_a_disk_along_until_it_rolls),
+        Test::of(the_work_of_contacts_is_what_bodies_gain_or_lose),
         Test::of(the_forces_of_a_tower_are_the_weights_above),
         Test::of(a_couple_turns_a_disk_in_a_corner_just_above_the_limit),
         Test::of(a_pyramid_stands_just_above_the_limit),
@@ -208,6 +209,22 @@ fn a_floor_that_moves_takes_a_disk_along_until_it_rolls(session: &Session) {
     let twist = simulation.whole_state().bodies[0].twist;
     assert!((twist.velocity[0] - belt / 3.0).abs() < 1e-12 && (components(&twist.spin)[0] - belt * 2.0 / 3.0).abs() < 1e-12);
     assert!(work > 0.0, "the belt works on the disk: {work}");
+}
+
+/// A disk that slides to a stop of its slip: what contacts do is the change of the kinetic energy in every step, though gravity presses; and nothing at rest.
+fn the_work_of_contacts_is_what_bodies_gain_or_lose(session: &Session) {
+    for velocity in [0.0, 1.0] {
+        let bodies = [ball::<2>([5.0, 1.0], [velocity, 0.0], down())];
+        let mut simulation = start(session, channel::<2>(20.0), &bodies, 0.3, 0.1);
+        let (first, mut work) = (energy(&simulation, &bodies), 0.0);
+        for number in 0..30 {
+            let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+            work += simulation.step(&observation, &mut |_, _| {}).unwrap().kkt_report.unwrap().friction.unwrap().work;
+            let gained = energy(&simulation, &bodies) - first;
+            assert!((work - gained).abs() < 1e-9, "velocity {velocity}, step {number}: {work} for {gained}");
+        }
+        assert!(if velocity > 0.0 { work < -0.3 } else { work.abs() < 1e-12 }, "{work}");
+    }
 }
 
 fn the_forces_of_a_tower_are_the_weights_above(session: &Session) {

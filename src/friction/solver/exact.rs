@@ -11,6 +11,9 @@ const AIM: f64 = 1e-11;
 const FIRST: f64 = 1e-3;
 const NEXT: f64 = 0.1;
 
+/// Residual of a guess up to which the interior point starts at it: that of bodies at rest.
+const NEAR: f64 = 1e-6;
+
 /// Where its path starts, over the residual of sweeps.
 const START: f64 = 10.0;
 
@@ -61,8 +64,8 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
         sweeps.settle(first, LOCAL);
     }
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
-    // impulses are not unique: from a guess that is as near, those beside it
-    if best.residual > tolerance && best.residual <= NEXT * FIRST {
+    // impulses are not unique: where little has changed since the guess, those beside it
+    if best.residual > tolerance && best.residual <= NEAR {
         iterations += best.follow(program, &sweeps, best.residual);
         if best.residual < sweeps.residual {
             sweeps.go_on(best.forces.clone());

@@ -29,7 +29,7 @@ use self::{
     scheme::convection_weights,
 };
 pub use self::{
-    longest::{COURANT, LARGEST_COURANT, first_step, longest_step, starts_at_once},
+    longest::{COURANT, LARGEST_COURANT, first_step, is_driven_at_once, longest_step, starts_at_once},
     momentum::inertia,
     scheme::StepWeights,
 };
@@ -335,8 +335,8 @@ impl<const D: usize> UnsteadySuspension<D> {
                 self.recent = RecentHistories::default();
             }
         }
-        // what has jumped in the first step is none of a rate of change
-        let jumped = self.past.len() == 2 && starts_at_once(&self.fixed.setup);
+        // what has jumped in the first step is in no rate of change
+        let jumped = self.past.len() == 2 && is_driven_at_once(&self.fixed.setup);
         let (last, earlier) = (self.past[0].0.time, self.past.get(1).filter(|_| !jumped).map(|(level, _)| level.time));
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
         self.of_impulse = weights.of_impulse();
