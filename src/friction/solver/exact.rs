@@ -11,8 +11,9 @@ const AIM: f64 = 1e-11;
 const FIRST: f64 = 1e-3;
 const NEXT: f64 = 0.1;
 
-/// Residual of a guess up to which the interior point starts at it: that of bodies at rest.
+/// Residual of a guess up to which a few sweeps go on to the tolerance, and the interior point starts at it if they do not come there: that of bodies at rest.
 const NEAR: f64 = 1e-6;
+const FEW_SWEEPS: usize = 300;
 
 /// Where its path starts, over the residual of sweeps.
 const START: f64 = 10.0;
@@ -65,6 +66,10 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
     }
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
     // impulses are not unique: where little has changed since the guess, those beside it
+    if best.residual > tolerance && best.residual <= NEAR {
+        sweeps.run(tolerance, FEW_SWEEPS);
+        best.take(&sweeps.forces, sweeps.residual);
+    }
     if best.residual > tolerance && best.residual <= NEAR {
         iterations += best.follow(program, &sweeps, best.residual);
         if best.residual < sweeps.residual {
