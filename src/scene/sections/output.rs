@@ -87,7 +87,8 @@ pub(in crate::scene) const KEYS: [Key; 19] = [
         "displacements",
         "true or false",
         "true",
-        "Whether mean-square displacements of the free bodies are measured, less what the shear and their mean carry along, and the diffusivities that follow.",
+        "Whether mean-square displacements of the free bodies are measured, less their mean and what the shear of a fluid carries along, and the diffusivities that \
+        follow. Of dry bodies between walls that move the shear is not subtracted: along these walls displacements show the velocity profile, not diffusion.",
     )
     .default("false")
     .needs("time.end = 1.0"),
