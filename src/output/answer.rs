@@ -195,14 +195,14 @@ fn of_velocities(summary: &Summary) -> Vec<Answer> {
         1 => ("body velocity", String::new()),
         count => ("mean body velocity", format!("   (of {count} free bodies, which fluctuate by {})", number(velocities.fluctuation, 4))),
     };
-    let speed = length(&velocities.mean).hypot(velocities.fluctuation);
-    let mean: Vec<f64> = velocities.mean.iter().map(|&mean| if mean.abs() > AT_REST * speed { mean } else { 0.0 }).collect();
-    lines.push(Answer::new(name, vector(&mean) + &spread));
+    lines.push(Answer::new(name, vector(&beyond_rounding(&velocities.mean, velocities.fluctuation)) + &spread));
     lines
 }
 
-fn length(vector: &[f64]) -> f64 {
-    vector.iter().map(|component| component * component).sum::<f64>().sqrt()
+/// A mean velocity without what is rounding beside the velocities, whose fluctuation this is.
+fn beyond_rounding(mean: &[f64], fluctuation: f64) -> Vec<f64> {
+    let speed = mean.iter().fold(fluctuation, |speed, component| speed.hypot(*component));
+    mean.iter().map(|&component| if component.abs() > AT_REST * speed { component } else { 0.0 }).collect()
 }
 
 fn of_settling(settling: &SettlingSummary) -> Vec<Answer> {
@@ -249,6 +249,13 @@ fn of_scalar(summary: &Summary) -> Vec<Answer> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mean_of_velocities_that_cancel_is_zero() {
+        assert_eq!(beyond_rounding(&[3e-13, -0.25], 0.5), [0.0, -0.25]);
+        assert_eq!(beyond_rounding(&[3e-13, -4e-13], 0.0), [3e-13, -4e-13]);
+        assert_eq!(beyond_rounding(&[0.0, 0.0], 0.0), [0.0, 0.0]);
+    }
 
     #[test]
     fn parts_are_written_such_that_they_add_up() {

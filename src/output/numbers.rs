@@ -41,11 +41,13 @@ pub fn vector(components: &[f64]) -> String {
 
 /// A number in so many digits, with a power of ten if it is very large or small.
 pub fn number(value: f64, digits: usize) -> String {
-    let size = value.abs();
-    let text = match (1e-3..1e6).contains(&size) {
+    let scientific = format!("{value:.*e}", digits - 1);
+    // of the rounded number: 0.99999999 has the digits of 1
+    let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok()).unwrap_or(0);
+    let text = match (1e-3..1e6).contains(&value.abs()) {
         _ if value == 0.0 => "0".to_owned(),
-        true => format!("{value:.*}", (digits as i32 - 1 - size.log10().floor() as i32).max(0) as usize),
-        false => format!("{value:.*e}", digits - 1),
+        true => format!("{value:.*}", (digits as i32 - 1 - exponent).max(0) as usize),
+        false => scientific,
     };
     text.replace('-', "\u{2212}")
 }
@@ -100,6 +102,7 @@ mod tests {
     fn no_zero_has_a_sign() {
         assert_eq!([-0.0, -1e-6, -0.01, 1.0].map(|value| fixed(value, 3)), ["0.000", "0.000", "-0.010", "1.000"]);
         assert_eq!((with_bar(-1e-3, 0.1), number(-0.0, 3)), ("0.00 ± 0.10".into(), "0".into()));
+        assert_eq!([0.999_999_99, 0.012_345_6, 123.456].map(|value| number(value, 4)), ["1.000", "0.01235", "123.5"]);
     }
 
     #[test]
