@@ -94,9 +94,9 @@ mod tests {
     #[test]
     fn refusals_name_the_line_and_what_was_expected() {
         let cases = [
-            ("1,2\n3,abc", "c.csv:2: found \"abc\", expected a finite number"),
-            ("1,2\n3,inf", "c.csv:2: found \"inf\", expected a finite number"),
-            ("1,2\n3,", "c.csv:2: found \"\", expected a finite number"),
+            ("1,2\n3,abc", "c.csv:2: found \"abc\" in column y, expected a finite number"),
+            ("1,2\n3,inf", "c.csv:2: found \"inf\" in column y, expected a finite number"),
+            ("1,2\n3,", "c.csv:2: found \"\" in column y, expected a finite number"),
             ("1,2\n\n3,4,5", "c.csv:3: found 3 columns, expected 2 as in the first line"),
             ("1,2,-1", "c.csv:1: found radius -1, expected a positive number"),
             (
@@ -113,7 +113,7 @@ mod tests {
                 "c.csv:2: found 3 columns, expected 2 as in the first line; leave out row names: in R write.csv(.., row.names = FALSE), in pandas \
                  to_csv(.., index=False)",
             ),
-            ("\"x\",\"y\"\n1,\"2", "c.csv:2: found \"\\\"2\", expected a finite number"),
+            ("\"x\",\"y\"\n1,\"2", "c.csv:2: found \"\\\"2\" in column y, expected a finite number"),
             ("x,x\n1,2", "c.csv:1: column \"x\" appears twice"),
             ("x,radius\n1,2", "c.csv:1: the header names no column \"y\""),
             ("1,2,3,4", "c.csv:1: found 4 columns, expected x,y,radius with or without radius"),

@@ -55,7 +55,7 @@ pub fn parse<T>(name: &str, text: &str, format: &Format, mut row: impl FnMut(&[f
         names => format.default_columns(names.len()),
     }
     .map_err(|reason| refuse(number, reason))?;
-    let read = |line: &str| numbers(&columns, &separator.fields(line)).map_err(|reason| named_row(reason, line, columns.len()));
+    let read = |line: &str| numbers(format, &columns, &separator.fields(line)).map_err(|reason| named_row(reason, line, columns.len()));
     let mut made = |line: &str| row(&read(line)?);
     let rows: Vec<T> = lines.map(|(number, line)| made(line).map_err(|reason| refuse(number, reason))).collect::<Result<_>>()?;
     match rows.is_empty() {
@@ -139,24 +139,24 @@ fn named_row(reason: String, line: &str, columns: usize) -> String {
 }
 
 /// The numbers on one line, in the order of the columns of the format.
-fn numbers(columns: &[usize], fields: &[&str]) -> std::result::Result<Vec<f64>, String> {
+fn numbers(format: &Format, columns: &[usize], fields: &[&str]) -> std::result::Result<Vec<f64>, String> {
     if fields.len() != columns.len() {
         return Err(format!("found {} columns, expected {} as in the first line", fields.len(), columns.len()));
     }
     let mut numbers = vec![0.0; columns.len()];
     for (field, &column) in fields.iter().zip(columns) {
-        numbers[column] = finite(field)?;
+        numbers[column] = finite(format.columns[column], field)?;
     }
     Ok(numbers)
 }
 
-fn finite(field: &str) -> std::result::Result<f64, String> {
+fn finite(column: &str, field: &str) -> std::result::Result<f64, String> {
     let number = field.parse::<f64>().ok().filter(|number| number.is_finite());
     let decimal = if field.contains(',') { "; write decimal points" } else { "" };
-    let number = number.ok_or_else(|| format!("found {}, expected a finite number{decimal}", quoted(field)))?;
+    let number = number.ok_or_else(|| format!("found {} in column {column}, expected a finite number{decimal}", quoted(field)))?;
     match usable(number) {
         true => Ok(number),
-        false => Err(format!("found {}, expected 0 or a number from 1e-60 to 1e60 in size", quoted(field))),
+        false => Err(format!("found {} in column {column}, expected 0 or a number from 1e-60 to 1e60 in size", quoted(field))),
     }
 }
 

@@ -59,7 +59,7 @@ mod tests {
             ("time,x\n0,0", "path.csv:1: the header names no column \"y\""),
             ("time,x,y,z\n0,0,0,0", "path.csv:1: unknown column \"z\"; expected time, x, y"),
             ("0,0\n1,1", "path.csv:1: found 2 columns, expected time,x,y"),
-            ("0,0,0\n1,one,1", "path.csv:2: found \"one\", expected a finite number"),
+            ("0,0,0\n1,one,1", "path.csv:2: found \"one\" in column x, expected a finite number"),
             ("0,0,0\n1,1,1\n1,2,2", "path.csv:3: 1,2,2: must be later than the place before it"),
             ("time,x,y\n0,0,0.5\n1,1,1", "path.csv:2: 0,0,0.5: must be all zeros: a body starts at time 0 where it is placed"),
             ("time,x,y\n0,0,0\n", "path.csv: holds one place; must hold two places at least, each a time and a displacement"),

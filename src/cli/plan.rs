@@ -50,7 +50,8 @@ pub fn plan<const D: usize>(session: &Session, scene: &Scene, folder: &Path, ran
         }
         _ => String::new(),
     };
-    world.on_first_rank(|| say(&format!("{plan}{shared}{scarce}time       {time}")))
+    let warning = scene.warning().map_or(String::new(), |warning| format!("warning    {warning}\n"));
+    world.on_first_rank(|| say(&format!("{plan}{shared}{scarce}{warning}time       {time}")))
 }
 
 /// Unknowns of the grid up to which the first steps of the scene itself are taken.

@@ -47,6 +47,10 @@ pub struct ResumeArguments {
 pub fn run(session: &Session, arguments: &RunArguments) -> Result<()> {
     profiled(session, arguments.profile, || {
         let scene = arguments.scene.read(session)?;
+        session.world().on_first_rank(|| {
+            scene.warning().into_iter().for_each(|warning| note(&format!("turbid: warning: {warning}")));
+            Ok(())
+        })?;
         if !arguments.force {
             run::check_memory(session.world(), &scene)?;
         }

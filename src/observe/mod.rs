@@ -20,6 +20,7 @@ pub use bonded::chain_geometry::ChainGeometry;
 pub use bonded::chains::ChainNumbers;
 pub use bonded::clusters::{aspect_ratio, longest_axis, mean_orientation};
 pub use bonded::membranes::MembraneNumbers;
+pub use bonded::tied::{Form, Tied, tied};
 pub use drag::{ForceCoefficients, Stream};
 pub use energy::EnergyRates;
 pub use fields::cells::{CellCenters, inside};

@@ -24,9 +24,9 @@ pub struct AccuracySummary {
 /// The forces on bodies whose motion is given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DragSummary {
-    /// Of forces and of torques over radius, over these bodies.
+    /// Of the forces, over these bodies.
     pub root_mean_square: f64,
-    /// How far the force on such a body may be off, in the root mean square over them.
+    /// How far the force on such a body, or the torque over its radius, may be off, in the root mean square over them.
     pub bar: f64,
 }
 

@@ -1,6 +1,10 @@
 //! What a run answers, in a few lines: the numbers that its scene is about. The terminal and the report show the same ones.
 
-use super::{MeanSpeed, MeanViscosity, Modulus, OscillationSummary, SettlingSummary, SteadyMean, Summary, summary::ViscositySummary};
+use super::{
+    ForceSummary, MeanSpeed, MeanViscosity, Modulus, OscillationSummary, QuantitySummary, SettlingSummary, SteadyMean, Summary,
+    numbers::{DECIMALS, decimals, fixed, number, vector, with_bar},
+    summary::ViscositySummary,
+};
 
 /// One line of an answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,8 +15,8 @@ pub struct Answer {
     pub value: String,
 }
 
-/// Decimals of a viscosity and its parts.
-const DECIMALS: usize = 4;
+/// A mean velocity below this part of the root mean square of the velocities is rounding.
+const AT_REST: f64 = 1e-10;
 
 impl Answer {
     fn new(name: &'static str, value: String) -> Answer {
@@ -66,9 +70,9 @@ fn of_viscosity(viscosity: &ViscositySummary, in_time: bool) -> Vec<Answer> {
     let too_short = viscosity.too_short.as_ref().filter(|_| viscosity.mean.is_none());
     let relative = match viscosity.interval {
         Some([low, high]) => with_bar(viscosity.relative, 0.5 * (high - low)),
-        None => format!("{:.DECIMALS$}", viscosity.relative),
+        None => fixed(viscosity.relative, DECIMALS),
     };
-    let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {walls:.DECIMALS$})"));
+    let walls = viscosity.from_walls.map_or(String::new(), |walls| format!("   (from the force on the walls: {})", fixed(walls, DECIMALS)));
     let when = if in_time { " at the end" } else { "" };
     lines.push(Answer::new("relative viscosity", format!("{relative}{when}{walls}")));
     lines.extend(split(viscosity.relative, &viscosity.parts.in_words(), DECIMALS).map(|parts| Answer::new("made up of", parts)));
@@ -107,15 +111,14 @@ fn of_loaded_wall(summary: &Summary) -> Vec<Answer> {
     of_quantities(summary, &[("layer friction", "stress_ratio"), ("solid fraction", "solid_fraction")])
 }
 
-/// How chains and cells are shaped, and how much inertia bodies have.
+/// How chains and cells are shaped, and how much inertia bodies have that move.
 fn of_objects(summary: &Summary) -> Vec<Answer> {
-    let lines = [
-        ("end-to-end distance", "end_to_end"),
-        ("cell inclination", "inclination"),
-        ("largest Reynolds no.", "reynolds"),
-        ("largest Stokes no.", "stokes"),
-    ];
-    of_quantities(summary, &lines)
+    let shapes = of_quantities(summary, &[("end-to-end distance", "end_to_end"), ("cell inclination", "inclination")]);
+    let moves =
+        |(_, column): &(&str, &str)| summary.quantities.get(*column).and_then(QuantitySummary::told).is_some_and(|value| value > 0.0);
+    let lines: Vec<_> = [("Reynolds number", "reynolds"), ("Stokes number", "stokes")].into_iter().filter(moves).collect();
+    let of_fastest = |Answer { name, value }| Answer::new(name, value + " (fastest body)");
+    shapes.into_iter().chain(of_quantities(summary, &lines).into_iter().map(of_fastest)).collect()
 }
 
 /// Lines of quantities, by their columns: means over the steady part, or what is at the end; none of those that a run does not have.
@@ -164,18 +167,24 @@ fn rounded(total: f64, parts: &[(&'static str, f64)], decimals: usize) -> Vec<f6
 
 fn of_forces(summary: &Summary) -> Vec<Answer> {
     let Some(forces) = &summary.forces else { return Vec::new() };
-    let (name, of) = match forces.bodies {
-        1 => ("force on the body", "by the fluid".to_owned()),
-        count => ("mean force", format!("by the fluid on each of {count} bodies with prescribed motion")),
+    let (names, of) = match forces.bodies {
+        1 => (["force on the body", "torque on the body"], "by the fluid".to_owned()),
+        count => (["mean force", "mean torque"], format!("by the fluid on each of {count} bodies with prescribed motion")),
     };
-    let mut lines = vec![Answer::new(name, format!("{}   ({of})", vector(&forces.mean)))];
-    lines.extend(forces.drag_ratio.map(|ratio| match forces.mean.len() {
-        2 => Answer::new("drag coefficient", format!("{} = F / (μ U), U past the body in the mean over the box", number(ratio, 6))),
-        _ => {
-            Answer::new("drag ratio", format!("{} times Stokes' drag 6π μ a U, U past the body in the mean over the box", number(ratio, 6)))
-        }
-    }));
+    let torque = |torque: &Vec<f64>| if let [torque] = torque[..] { number(torque, 6) } else { vector(torque) };
+    let mut lines = vec![Answer::new(names[0], format!("{}   ({of})", vector(&forces.mean)))];
+    lines.extend(forces.mean_torque.as_ref().map(|mean| Answer::new(names[1], format!("{}   ({of})", torque(mean)))));
+    lines.extend(of_drag(forces));
     lines
+}
+
+fn of_drag(forces: &ForceSummary) -> Option<Answer> {
+    let (name, unit) = match forces.mean.len() {
+        2 => ("drag coefficient", "= F / (μ U)"),
+        _ => ("drag ratio", "times Stokes' drag 6π μ a U"),
+    };
+    let ratio = number(forces.drag_ratio?, 6);
+    Some(Answer::new(name, format!("{ratio} {unit}, U past the body in the mean over the box")))
 }
 
 fn of_velocities(summary: &Summary) -> Vec<Answer> {
@@ -186,8 +195,14 @@ fn of_velocities(summary: &Summary) -> Vec<Answer> {
         1 => ("body velocity", String::new()),
         count => ("mean body velocity", format!("   (of {count} free bodies, which fluctuate by {})", number(velocities.fluctuation, 4))),
     };
-    lines.push(Answer::new(name, vector(&velocities.mean) + &spread));
+    lines.push(Answer::new(name, vector(&beyond_rounding(&velocities.mean, velocities.fluctuation)) + &spread));
     lines
+}
+
+/// A mean velocity without what is rounding beside the velocities, whose fluctuation this is.
+fn beyond_rounding(mean: &[f64], fluctuation: f64) -> Vec<f64> {
+    let speed = mean.iter().fold(fluctuation, |speed, component| speed.hypot(*component));
+    mean.iter().map(|&component| if component.abs() > AT_REST * speed { component } else { 0.0 }).collect()
 }
 
 fn of_settling(settling: &SettlingSummary) -> Vec<Answer> {
@@ -230,56 +245,17 @@ fn of_scalar(summary: &Summary) -> Vec<Answer> {
     conduction.into_iter().chain([Answer::new("energy", format!("{:.6}", scalar.energy))]).collect()
 }
 
-/// Half the width of a bar, in two digits.
-pub fn bar(half: f64) -> String {
-    let decimals = decimals_of_bar(half);
-    format!("{half:.decimals$}")
-}
-
-/// A value and half the width of its bar, in two digits, to the same decimals; both with one power of ten if the value is very large or small.
-pub fn with_bar(value: f64, half: f64) -> String {
-    let larger = value.abs().max(half);
-    let exponent = if larger == 0.0 || (1e-3..1e6).contains(&larger) { 0 } else { larger.log10().floor() as i32 };
-    let [value, half] = [value, half].map(|number| number / 10f64.powi(exponent));
-    let decimals = decimals(half);
-    let text = match exponent {
-        0 => format!("{value:.decimals$} ± {half:.decimals$}"),
-        exponent => format!("({value:.decimals$} ± {half:.decimals$})e{exponent}"),
-    };
-    text.replace('-', "\u{2212}")
-}
-
-/// Decimals of a value with such a bar.
-fn decimals(half: f64) -> usize {
-    if half > 0.0 { decimals_of_bar(half) } else { DECIMALS }
-}
-
-fn decimals_of_bar(half: f64) -> usize {
-    if half > 0.0 { (1.0 - half.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 }
-}
-
-/// Components in six digits; those that are rounding beside the largest are 0.
-pub fn vector(components: &[f64]) -> String {
-    let largest = components.iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
-    let shown = |&component: &f64| if component.abs() <= 1e-12 * largest { "0".to_owned() } else { number(component, 6) };
-    format!("({})", components.iter().map(shown).collect::<Vec<_>>().join(", "))
-}
-
-/// A number in so many digits, with a power of ten if it is very large or small.
-pub fn number(value: f64, digits: usize) -> String {
-    let size = value.abs();
-    let text = match (1e-3..1e6).contains(&size) {
-        _ if value == 0.0 => "0".to_owned(),
-        true => format!("{value:.*}", (digits as i32 - 1 - size.log10().floor() as i32).max(0) as usize),
-        false => format!("{value:.*e}", digits - 1),
-    };
-    text.replace('-', "\u{2212}")
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mean_of_velocities_that_cancel_is_zero() {
+        assert_eq!(beyond_rounding(&[3e-13, -0.25], 0.5), [0.0, -0.25]);
+        assert_eq!(beyond_rounding(&[3e-13, -4e-13], 0.0), [3e-13, -4e-13]);
+        assert_eq!(beyond_rounding(&[0.0, 0.0], 0.0), [0.0, 0.0]);
+    }
 
     #[test]
     fn parts_are_written_such_that_they_add_up() {
@@ -289,24 +265,5 @@ mod tests {
         assert!((rounded.iter().sum::<f64>() - (total * 1e4).round() / 1e4).abs() < 1e-12);
         assert_eq!(split(total, &parts, DECIMALS).unwrap(), "1.3334 flow + 0.3333 lubrication \u{2212} 0.1111 contacts");
         assert_eq!(split(1.0, &parts[..1], DECIMALS), None);
-    }
-
-    #[test]
-    fn a_bar_is_written_in_two_digits() {
-        assert_eq!([0.01234, 1.2, 123.4, 0.0].map(bar), ["0.012", "1.2", "123", "0"]);
-    }
-
-    #[test]
-    fn a_value_has_as_many_decimals_as_its_bar() {
-        let values = [(2.438_912, 0.012_34), (45.81, 67.2), (-0.135, 0.27), (1.5, 0.0), (2.345_6e-12, 1.2e-14), (0.0, 0.0)];
-        let written =
-            ["2.439 ± 0.012", "46 ± 67", "\u{2212}0.14 ± 0.27", "1.5000 ± 0.0000", "(2.346 ± 0.012)e\u{2212}12", "0.0000 ± 0.0000"];
-        assert_eq!(values.map(|(value, half)| with_bar(value, half)), written);
-    }
-
-    #[test]
-    fn components_that_are_rounding_are_zero() {
-        assert_eq!(vector(&[-1.25, 1e-16, 1e-7]), "(\u{2212}1.25000, 0, 1.00000e\u{2212}7)");
-        assert_eq!(vector(&[0.0, 0.0]), "(0, 0)");
     }
 }

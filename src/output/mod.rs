@@ -9,6 +9,7 @@ mod effort;
 mod files;
 mod frames;
 mod motions;
+mod numbers;
 mod oscillation;
 mod probe;
 mod progress;
@@ -29,7 +30,7 @@ mod video;
 mod view;
 
 pub use accuracy::{AccuracySummary, DragSummary, EstimatedErrors};
-pub use answer::{Answer, answers, bar, vector};
+pub use answer::{Answer, answers};
 pub use body_summary::{BODY_TABLE, BodySummary, MOST_LISTED, write_bodies};
 pub use clock::{date, duration};
 pub use curve::{CurvePoint, MeanViscosity, viscosity_too_short};
@@ -45,7 +46,8 @@ pub use frames::{
     StoredFrame, read_frames,
 };
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
-pub use oscillation::{Modulus, OscillationSummary};
+pub use numbers::{bar, lengths_of_steps, number, plain, vector};
+pub use oscillation::{Modulus, OscillationSummary, measured_stress};
 pub use progress::{Progress, TimeProgress};
 pub use quantities::{QuantitySummary, SteadyMean};
 pub use report::{report, sparkline};

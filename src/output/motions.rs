@@ -1,11 +1,11 @@
 //! What a summary says of the bodies as a whole: forces on those whose motion is given, and velocities of the free ones.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
 use super::TooShort;
 use crate::{
-    body::{Body, Motion},
+    body::{Body, Motion, components},
     motion::Simulation,
     observe::{
         Shear,
@@ -19,6 +19,9 @@ use crate::{
 /// Bodies differ by no more than this part.
 const ALIKE: f64 = 1e-9;
 
+/// A velocity past bodies is rounding below this part of the largest speed at hand.
+const NO_STREAM: f64 = 1e-6;
+
 /// Force of the fluid on the bodies whose motion is given.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceSummary {
@@ -28,8 +31,11 @@ pub struct ForceSummary {
     pub mean: Vec<f64>,
     /// Root mean square over them.
     pub root_mean_square: f64,
+    /// Mean torque over them, one number in two dimensions; nothing unless one of them turns.
+    pub mean_torque: Option<Vec<f64>>,
     /// Mean force along the velocity of the fluid past the bodies, over the drag in an unbounded fluid `6 pi mu a U` (in two dimensions, where there
-    /// is none, over `mu U`); nothing unless all have the same radius and velocity in a fluid that is not sheared.
+    /// is none, over `mu U`); nothing unless all have the same radius and velocity in a fluid that is not sheared, and that velocity is more than rounding
+    /// beside the others at hand.
     pub drag_ratio: Option<f64>,
 }
 
@@ -88,18 +94,32 @@ impl ForceSummary {
     pub fn of<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> Option<ForceSummary> {
         let given = || setup.bodies.iter().zip(&solution.bodies).filter(|(suspended, _)| !suspended.body.free());
         let count = given().count();
-        let (first, _) = given().next()?;
+        given().next()?;
         let mean = given().map(|(_, state)| state.force).sum::<SVector<f64, D>>() / count as f64;
+        let torque = given().map(|(_, state)| state.torque).sum::<SMatrix<f64, D, D>>() / count as f64;
+        let turns = given().any(|(one, _)| spin(&one.body) > 0.0);
         let square = given().map(|(_, state)| state.force.norm_squared()).sum::<f64>() / count as f64;
-        let alike =
-            given().all(|(one, _)| same(one.body.ball.radius, first.body.ball.radius) && velocity(&one.body) == velocity(&first.body));
-        let past = solution.mean_velocity - velocity(&first.body);
-        let sheared = Shear::of(&setup.domain, &setup.drive).is_some();
-        let unit = setup.viscosity * past.norm() * if D == 3 { 6.0 * std::f64::consts::PI * first.body.ball.radius } else { 1.0 };
-        let ratio = mean.dot(&past) / (past.norm() * unit);
-        let drag_ratio = (alike && !sheared && past.norm() > 0.0 && ratio.is_finite()).then_some(ratio);
-        Some(ForceSummary { bodies: count, mean: mean.as_slice().to_vec(), root_mean_square: square.sqrt(), drag_ratio })
+        let given: Vec<&Body<D>> = given().map(|(one, _)| &one.body).collect();
+        Some(ForceSummary {
+            bodies: count,
+            mean: mean.as_slice().to_vec(),
+            root_mean_square: square.sqrt(),
+            mean_torque: turns.then(|| components(&torque)),
+            drag_ratio: drag_ratio(setup, &given, &solution.mean_velocity, &mean),
+        })
     }
+}
+
+/// See [`ForceSummary::drag_ratio`]: of bodies in a fluid of this mean velocity on which this is the mean force.
+fn drag_ratio<const D: usize>(setup: &Setup<D>, given: &[&Body<D>], flow: &SVector<f64, D>, force: &SVector<f64, D>) -> Option<f64> {
+    let (first, radius) = (velocity(given[0]), given[0].ball.radius);
+    let alike = given.iter().all(|body| same(body.ball.radius, radius) && velocity(body) == first);
+    let sheared = Shear::of(&setup.domain, &setup.drive).is_some();
+    let past = flow - first;
+    let fastest = given.iter().map(|body| spin(body) * radius).fold(flow.norm().max(first.norm()), f64::max);
+    let unit = setup.viscosity * past.norm() * if D == 3 { 6.0 * std::f64::consts::PI * radius } else { 1.0 };
+    let ratio = force.dot(&past) / (past.norm() * unit);
+    (alike && !sheared && past.norm() > NO_STREAM * fastest && ratio.is_finite()).then_some(ratio)
 }
 
 impl VelocitySummary {
@@ -168,6 +188,14 @@ fn velocity<const D: usize>(body: &Body<D>) -> SVector<f64, D> {
     match body.motion {
         Motion::Prescribed(twist) => twist.velocity,
         Motion::Free { .. } => SVector::zeros(),
+    }
+}
+
+/// Size of the spin that is given to a body.
+fn spin<const D: usize>(body: &Body<D>) -> f64 {
+    match &body.motion {
+        Motion::Prescribed(twist) => components(&twist.spin).iter().map(|spin| spin * spin).sum::<f64>().sqrt(),
+        Motion::Free { .. } => 0.0,
     }
 }
 

@@ -42,12 +42,16 @@ pub struct Modulus {
     pub interval: Option<[f64; 2]>,
 }
 
+/// The column of the shear stress that a rheometer measures: that on the walls where there are walls.
+pub fn measured_stress(series: &Columns) -> &'static str {
+    if series.column("wall_stress").is_some() { "wall_stress" } else { "shear_stress" }
+}
+
 impl OscillationSummary {
     /// That of the rows of a series, of a strain that oscillates so, in a fluid of a viscosity; nothing before a whole cycle.
     pub fn of(series: &Columns, strain: Oscillation, viscosity: f64) -> Option<OscillationSummary> {
         let Oscillation { amplitude, frequency } = strain;
-        let measured = if series.column("wall_stress").is_some() { "wall_stress" } else { "shear_stress" };
-        let Harmonics { parts, cycles, from } = harmonics(&series.curve("time", measured), frequency)?;
+        let Harmonics { parts, cycles, from } = harmonics(&series.curve("time", measured_stress(series)), frequency)?;
         let modulus = |(part, half_width): (f64, Option<f64>)| Modulus {
             value: part / amplitude,
             interval: half_width.map(|half| [(part - half) / amplitude, (part + half) / amplitude]),

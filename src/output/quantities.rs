@@ -38,6 +38,11 @@ impl QuantitySummary {
     pub fn new(unit: &str, meaning: &str, last: Option<f64>) -> QuantitySummary {
         QuantitySummary { unit: unit.to_owned(), meaning: meaning.to_owned(), last, mean: None }
     }
+
+    /// What is told of it first: its mean, or else its last value.
+    pub fn told(&self) -> Option<f64> {
+        self.mean.map(|mean| mean.value).or(self.last)
+    }
 }
 
 impl SteadyMean {

@@ -1,7 +1,7 @@
 //! The result of a run in a few lines for people.
 
 use super::{
-    AccuracySummary, Answer, ScalarSummary, Summary, answers,
+    AccuracySummary, Answer, InertiaSummary, ScalarSummary, Summary, answers, lengths_of_steps, plain,
     summary::{ContactSummary, FrictionSummary, MotionSummary, SolverSummary},
 };
 
@@ -26,7 +26,8 @@ pub fn report(summary: &Summary) -> String {
     if let Some(motion) = &summary.motion {
         lines.extend(motion_lines(summary, motion));
     }
-    lines.extend(summary.contact.as_ref().map(contact_line));
+    lines.extend(summary.inertia.as_ref().and_then(InertiaSummary::warning).map(|warning| format!("warning              {warning}")));
+    lines.extend(summary.contact.as_ref().map(|contact| contact_line(contact, summary.flow.is_some())));
     lines.extend(
         summary.pairs.as_ref().map(|pairs| format!("coordination         {:.3} neighbours within {NEAR} radii", pairs.coordination)),
     );
@@ -36,10 +37,12 @@ pub fn report(summary: &Summary) -> String {
 
 fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
     let steps = counted(summary.steps, "step", "steps");
-    let [shortest, longest] = motion.steps;
-    let (grown, shrunk) = (motion.grown, motion.shrunk);
+    let changed = match (motion.grown, motion.shrunk) {
+        (0, 0) => String::new(),
+        (grown, shrunk) => format!(", {grown} longer than the one before, {shrunk} shorter"),
+    };
     let halved = if motion.halved > 0 { format!("; {} repeated with half the length", motion.halved) } else { String::new() };
-    let lengths = format!("of {shortest:.3e} to {longest:.3e}, {grown} lengthened, {shrunk} shortened{halved}");
+    let lengths = format!("of {}{changed}{halved}", lengths_of_steps(motion.steps));
     let mut lines = vec![format!("time                 {} in {steps} {lengths}", plain(summary.time))];
     if motion.solves > 0 {
         let mean = motion.iterations as f64 / motion.solves as f64;
@@ -52,11 +55,6 @@ fn motion_lines(summary: &Summary, motion: &MotionSummary) -> Vec<String> {
         motion.seconds
     ));
     lines
-}
-
-/// A number without what rounding leaves beyond its tenth digit.
-fn plain(value: f64) -> f64 {
-    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 /// Parts of a time in hundredths of a second, rounded down, and what is left of the whole, so that what is shown adds up.
@@ -93,21 +91,26 @@ fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
     lines
 }
 
-fn contact_line(contact: &ContactSummary) -> String {
+fn contact_line(contact: &ContactSummary, in_flow: bool) -> String {
     let gap =
         contact.smallest_gap.map_or("no two bodies near each other".into(), |gap| format!("smallest gap of all steps {gap:.1e} radii"));
     let residual = contact.kkt_residual.map_or(String::new(), |residual| format!(", residual {residual:.1e}"));
     let stick = contact.glue.as_ref().map_or(String::new(), |glue| format!(", {} that stick", glue.stuck));
-    let friction = contact.friction.as_ref().map_or(String::new(), friction_part);
+    let friction = contact.friction.as_ref().map_or(String::new(), |friction| friction_part(friction, in_flow));
     format!("contacts             {} that bear a force{stick}, {gap}{residual}{friction}", contact.active)
 }
 
-fn friction_part(friction: &FrictionSummary) -> String {
+fn friction_part(friction: &FrictionSummary, in_flow: bool) -> String {
     let FrictionSummary { residual, steps_above_tolerance, tolerance } = friction;
+    // a flow takes no contact.tolerance
+    let (of, or) = match in_flow {
+        true => ("", ""),
+        false => (" (ten times contact.tolerance)", ", or accept it with a larger contact.tolerance"),
+    };
     let warning = match steps_above_tolerance {
         0 => String::new(),
         steps => format!(
-            "; warning: in {} friction was not found to {tolerance:.0e}, choose a shorter time.step or a lower contact.friction",
+            "; warning: in {} friction was found to a residual above {tolerance:.0e}{of}; choose a shorter time.step{or}",
             counted(*steps, "step", "steps")
         ),
     };
@@ -178,9 +181,20 @@ mod tests {
     }
 
     #[test]
-    fn a_sum_of_steps_is_told_without_its_rounding() {
-        assert_eq!(plain(0.099_999_999_999_999_99).to_string(), "0.1");
-        assert_eq!(plain(0.123_456_789_1).to_string(), "0.1234567891");
+    fn friction_that_was_not_found_names_what_helps() {
+        let missed = |steps| FrictionSummary { residual: 2e-8, steps_above_tolerance: steps, tolerance: 1e-8 };
+        assert_eq!(friction_part(&missed(0), false), "; friction residual 2.0e-8");
+        let dry = friction_part(&missed(193), false);
+        assert!(
+            dry.ends_with(
+                "in 193 steps friction was found to a residual above 1e-8 (ten times contact.tolerance); choose a shorter time.step, or accept it with a \
+                 larger contact.tolerance"
+            ),
+            "{dry}"
+        );
+        assert!(
+            friction_part(&missed(1), true).ends_with("in 1 step friction was found to a residual above 1e-8; choose a shorter time.step")
+        );
     }
 
     #[test]

@@ -333,7 +333,8 @@ impl Summary {
             version: env!("CARGO_PKG_VERSION"),
             time: 0.0,
             steps: 0,
-            fraction,
+            // the sum over no body is a negative zero
+            fraction: fraction + 0.0,
             bodies: bodies.listed,
             other_bodies: bodies.others,
             forces: None,
@@ -377,14 +378,15 @@ impl Summary {
         }
     }
 
-    /// Attaches bars; `drag` is the root mean square over the bodies whose motion is given, if there are any.
-    pub fn attach(&mut self, accuracy: AccuracySummary, drag: Option<f64>) {
+    /// Attaches bars; `whole` is the root mean square of forces and torques over radius on the bodies whose motion is given, if there are any.
+    pub fn attach(&mut self, accuracy: AccuracySummary, whole: Option<f64>) {
         if let (Some(viscosity), Some(error)) = (&mut self.viscosity, accuracy.estimated.viscosity) {
             let bar = error * viscosity.relative.abs();
             viscosity.interval = Some([viscosity.relative - bar, viscosity.relative + bar]);
         }
-        let summary = |(root_mean_square, error)| DragSummary { root_mean_square, bar: root_mean_square * error };
-        let drag = drag.zip(accuracy.estimated.drag).map(summary);
+        let forces = self.forces.as_ref().map(|forces| forces.root_mean_square);
+        let summary = |((whole, error), root_mean_square)| DragSummary { root_mean_square, bar: whole * error };
+        let drag = whole.zip(accuracy.estimated.drag).zip(forces).map(summary);
         self.accuracy = Some(AccuracySummary { drag, ..accuracy });
     }
 }
@@ -436,16 +438,20 @@ impl InertiaSummary {
 
     /// In words.
     pub fn text(&self) -> String {
-        let layer = match (self.boundary_layer, self.resolving_spacing) {
-            (Some(layer), None) => format!(", thinnest boundary layer {layer:.2} cells"),
-            (Some(layer), Some(spacing)) => {
-                format!(
-                    "; warning: a boundary layer is {layer:.2} cells thick, choose resolution.spacing = {spacing:.2e} or less to resolve it"
-                )
-            }
-            (None, _) => String::new(),
+        let layer = match (self.warning(), self.boundary_layer) {
+            (Some(warning), _) => format!("; warning: {warning}"),
+            (None, Some(layer)) => format!(", thinnest boundary layer {layer:.2} cells"),
+            (None, None) => String::new(),
         };
-        format!("Reynolds number {:.4}, Stokes number {:.4}, kinetic energy {:.4e}{layer}", self.reynolds, self.stokes, self.kinetic_energy)
+        let moving = [("Reynolds", self.reynolds), ("Stokes", self.stokes)].into_iter().filter(|(_, number)| *number > 0.0);
+        let numbers: String = moving.map(|(name, number)| format!("{name} number {number:.4} (fastest body), ")).collect();
+        format!("{numbers}kinetic energy {:.4e}{layer}", self.kinetic_energy)
+    }
+
+    /// That the grid does not resolve a layer, and what would.
+    pub fn warning(&self) -> Option<String> {
+        let (layer, spacing) = (self.boundary_layer?, self.resolving_spacing?);
+        Some(format!("a boundary layer is {layer:.2} cells thick, choose resolution.spacing = {spacing:.2e} or less to resolve it"))
     }
 }
 

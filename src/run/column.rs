@@ -40,7 +40,8 @@ impl Number {
     pub fn value(self) -> Option<f64> {
         match self {
             Number::Count(count) => Some(count as f64),
-            Number::Real(value) => Some(value),
+            // a negative zero becomes a positive one
+            Number::Real(value) => Some(value + 0.0),
             Number::Missing => None,
         }
     }
@@ -49,8 +50,18 @@ impl Number {
     pub fn text(self) -> String {
         match self {
             Number::Count(count) => count.to_string(),
-            Number::Real(value) => format!("{value:?}"),
-            Number::Missing => String::new(),
+            Number::Real(_) | Number::Missing => self.value().map_or(String::new(), |value| format!("{value:?}")),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_negative_zero_has_no_sign() {
+        assert_eq!([-0.0, 0.0, -1.5].map(|value| Number::Real(value).text()), ["0.0", "0.0", "-1.5"]);
+        assert_eq!((Number::Count(3).text(), Number::Missing.text()), ("3".into(), String::new()));
     }
 }

@@ -10,7 +10,7 @@ use super::command::command;
 use crate::{
     output::{
         Answer, Breakdown, Facts, Image, KNOWN_FILES, LOG, MeanViscosity, Page, Standing, Summary, Table, answers, bodies_table, date,
-        duration,
+        duration, lengths_of_steps, number, plain,
     },
     parallel::Machine,
     scene::Scene,
@@ -72,7 +72,7 @@ impl PageOfRun {
     /// The page of a run that has ended.
     pub fn ended(&self, summary: &Summary, mean: Option<MeanViscosity>) -> Page {
         let written = match summary.motion {
-            Some(_) => format!("at time {} after {} steps, {}", summary.time, summary.steps, date(SystemTime::now())),
+            Some(_) => format!("at time {} after {} steps, {}", plain(summary.time), summary.steps, date(SystemTime::now())),
             None => date(SystemTime::now()),
         };
         let image = |&name: &&'static str| {
@@ -136,9 +136,8 @@ fn scene_facts(summary: &Summary) -> Facts {
         vec![("bodies", summary.body_count().max(summary.scalar.as_ref().map_or(0, |scalar| scalar.inclusions.len())).to_string())];
     facts.push(("fraction of the box", format!("{:.4}", summary.fraction)));
     if let Some(motion) = &summary.motion {
-        let [shortest, longest] = motion.steps;
-        facts.push(("time", summary.time.to_string()));
-        facts.push(("steps", format!("{} of {shortest:.3e} to {longest:.3e}", summary.steps)));
+        facts.push(("time", plain(summary.time).to_string()));
+        facts.push(("steps", format!("{} of {}", summary.steps, lengths_of_steps(motion.steps))));
     }
     if let Some(accuracy) = &summary.accuracy {
         facts.push(("accuracy asked for", accuracy.asked.to_string()));
@@ -156,7 +155,7 @@ fn contact_facts(summary: &Summary) -> Option<Facts> {
     let mut facts = vec![
         ("model", contact.model.to_owned()),
         ("contacts that bear a force", contact.active.to_string()),
-        ("sum of their forces", format!("{:.6e}", contact.total_force)),
+        ("sum of their forces", number(contact.total_force, 5)),
         ("pairs looked at", contact.pairs.to_string()),
     ];
     facts.extend(contact.smallest_gap.map(|gap| ("smallest gap of all steps", format!("{gap:.2e} radii"))));

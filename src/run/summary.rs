@@ -76,7 +76,7 @@ fn contacts<const D: usize>(world: &World, scene: &Scene, motion: &MotionView<D>
         active: totals.active,
         smallest_gap: kept.smallest_gap,
         kkt_residual: (!matches!(model, ContactModel::Repulsion { .. })).then_some(kept.kkt_residual),
-        total_force: totals.force,
+        total_force: totals.force + 0.0,
         glue: model.gluey().then_some(GlueSummary { stuck: totals.adhesive, gamma: totals.gamma }),
         friction: (scene.contact.friction.coefficient > 0.0).then_some(FrictionSummary {
             residual,

@@ -1,7 +1,7 @@
 //! Words of other programs for what a scene says otherwise, or does not say: the answer to a key that is unknown.
 
 /// Words, and the answer to them, with keys of a scene between backticks.
-const ANSWERS: [(&[&str], &str); 26] = [
+const ANSWERS: [(&[&str], &str); 27] = [
     (&["dt", "timestep", "time_step", "deltat"], "the length of a step is `time.step`, automatic without it"),
     (&["t_end", "tend", "end_time", "tmax", "duration"], "the end of a run is `time.end`"),
     (&["viscosity", "eta", "nu", "dynamic_viscosity"], "the viscosity of the fluid is `flow.viscosity`"),
@@ -16,6 +16,10 @@ const ANSWERS: [(&[&str], &str); 26] = [
         "contacts are rigid and have no stiffness; a repulsion that has one is `contact.model` = \"repulsion\" with `contact.stiffness`",
     ),
     (&["shear_rate", "shear", "gamma_dot", "rate"], "the shear rate is `flow.drive.shear_rate`"),
+    (
+        &["extension_rate", "elongation_rate", "extension", "elongation", "extensional", "planar_extension"],
+        "there is no planar extension; a shear is `flow.drive.shear_rate`",
+    ),
     (&["shear_stress", "stress"], "a shear at a given stress is `flow.drive.shear_stress`"),
     (&["phi", "volume_fraction", "concentration", "fraction"], "the fraction that a group fills is `bodies.fraction`"),
     (&["n", "particles", "nparticles", "spheres", "disks"], "bodies are groups `bodies`, with `bodies.count` or `bodies.fraction`"),
@@ -59,6 +63,25 @@ const ANSWERS: [(&[&str], &str); 26] = [
     (&["dx", "h", "grid", "mesh", "nx", "cells"], "the grid follows from `resolution.cells_per_radius` or `resolution.spacing`"),
 ];
 
+/// Keys, words that they do not know, and the answer to these.
+const ANSWERS_TO_VALUES: [(&str, &[&str], &str); 4] = [
+    ("flow.model", &["dry", "granular", "dem", "off"], "did you mean \"none\"?"),
+    ("flow.model", &["ns", "navier_stokes", "inertia", "inertial"], "did you mean \"navier-stokes\"?"),
+    (
+        "contact.model",
+        &["hertz", "hertzian", "hookean", "hooke", "linear", "spring", "dashpot", "hertz-mindlin", "soft", "dem"],
+        "for a force law take \"repulsion\", or an expression in [[interactions]]",
+    ),
+    ("contact.model", &["rigid", "hard", "nsc", "contact-dynamics"], "did you mean \"inelastic\"?"),
+];
+
+/// What to answer a value of this key that is none of its words.
+pub(super) fn answer_to_value(key: &str, word: &str) -> Option<&'static str> {
+    let word = word.to_lowercase();
+    let found = ANSWERS_TO_VALUES.iter().find(|(of, words, _)| *of == key && words.contains(&word.as_str()));
+    found.map(|(_, _, answer)| *answer)
+}
+
 /// What to answer a key of this name, which the table at this path does not have.
 pub(super) fn answer(name: &str) -> Option<String> {
     let name = name.to_lowercase();
@@ -80,6 +103,9 @@ mod tests {
         for (_, answer) in &ANSWERS {
             let named: Vec<&str> = answer.split('`').skip(1).step_by(2).collect();
             assert!(named.iter().all(|path| key(path)), "{answer}");
+        }
+        for (path, words, _) in &ANSWERS_TO_VALUES {
+            assert!(key(path) && !words.is_empty(), "{path}");
         }
         let words: Vec<&str> = ANSWERS.iter().flat_map(|(words, _)| words.iter().copied()).collect();
         assert!((1..words.len()).all(|place| !words[..place].contains(&words[place])));

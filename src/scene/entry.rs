@@ -4,7 +4,9 @@ use toml_edit::Value;
 
 use crate::body::usable;
 use crate::error::{Error, Result};
+use crate::scene::elsewhere;
 use crate::scene::locations::{Locations, join};
+use crate::scene::nearest::nearest;
 
 /// The longest value a message repeats in full.
 const LONGEST: usize = 60;
@@ -71,8 +73,16 @@ impl<'a> Entry<'a> {
         let found = available.iter().find(|(name, _)| *name == text).map(|&(_, choice)| choice);
         found.ok_or_else(|| match planned.contains(&text) {
             true => self.refuse(&format!("is not available yet; must be {names}")),
-            false => self.refuse(&format!("must be {names}")),
+            false => self.refuse(&format!("must be {names}{}", self.guess(text, available.iter().map(|(name, _)| *name)))),
         })
+    }
+
+    /// What a word that is none of the available ones may stand for.
+    pub(super) fn guess<'w>(&self, word: &str, available: impl IntoIterator<Item = &'w str>) -> String {
+        match nearest(&word.to_lowercase(), available) {
+            Some(known) => format!("; did you mean {known:?}?"),
+            None => elsewhere::answer_to_value(&self.key, word).map_or(String::new(), |answer| format!("; {answer}")),
+        }
     }
 
     pub(super) fn list(&self) -> Result<Vec<Entry<'a>>> {

@@ -27,6 +27,7 @@ mod regions;
 mod scalar;
 mod sections;
 mod table;
+mod warning;
 
 pub use affine::AffineFlow;
 pub use difference::Difference;

@@ -298,6 +298,13 @@ fraction = 0.1
     }
 
     #[test]
+    fn an_empty_list_of_profiles_switches_them_off() {
+        let axes = |overrides: &[&str]| with(overrides).unwrap().output.profiles;
+        assert_eq!(axes(&["output.profiles=[\"x\", \"y\"]"]), [0, 1]);
+        assert!(axes(&["output.profiles=y", "output.profiles=[]"]).is_empty());
+    }
+
+    #[test]
     fn a_refusal_of_an_override_says_so() {
         let refusal = |text| with(&[text]).unwrap_err().to_string();
         assert_eq!(refusal("bodies.0.radius=-1"), "override: bodies[0].radius = -1: must be positive");

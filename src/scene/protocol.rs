@@ -17,7 +17,8 @@ pub(super) fn check_shear(scene: &Scene, protocol: &Protocol) -> Result<()> {
     if walled(scene).next().is_some() {
         return check_walls(scene, protocol);
     }
-    let remedy = "drives no run in time where images stay; add periodic = \"sheared\", which lets them go along, remove [time] or shear between walls";
+    let remedy = "needs flow.drive.periodic = \"sheared\" in a run in time, so that images of the box move with the shear; set that, remove [time], or shear \
+                  between walls (domain.y = \"walls\")";
     expect(scene, scene.time.is_none(), key(protocol), shown(protocol), remedy)
 }
 

@@ -304,10 +304,7 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
         InvalidConfiguration::OwnImage { body, gap } => {
             (body, format!("overlaps its own periodic image by {:.3e}; enlarge domain.size", -gap))
         }
-        InvalidConfiguration::Outside { body, axis } => {
-            let (size, name) = (domain.size[axis], ["x", "y", "z"][axis]);
-            (body, format!("body {body} lies outside the box along {name}, which goes from 0 to {size}; move it inside"))
-        }
+        InvalidConfiguration::Outside { body, axis } => (body, outside(domain, body, axis, &only[body])),
     };
     let group = balls[body].0;
     let key = match scene.bodies[group].placement {
@@ -315,6 +312,17 @@ fn check_places<const D: usize>(scene: &Scene, domain: &Domain<D>, balls: &[(usi
         _ => format!("{}.centers", scene.group_key(group)),
     };
     Err(scene.refuse(&key, at(body), &remedy))
+}
+
+/// What is wrong with a ball that a side of the box cuts, or whose centre lies beyond it.
+fn outside<const D: usize>(domain: &Domain<D>, body: usize, axis: usize, ball: &Ball<D>) -> String {
+    let (size, name, place) = (domain.size[axis], ["x", "y", "z"][axis], ball.center[axis]);
+    if !(0.0..=size).contains(&place) {
+        return format!("body {body} lies outside the box along {name}, which goes from 0 to {size}; move it inside");
+    }
+    let (side, way) = if place < size - place { (0.0, place) } else { (size, size - place) };
+    let what = if domain.axes[axis].walls().is_some() { "wall" } else { "end of the box" };
+    format!("body {body} overlaps the {what} at {name} = {side} by {:.3e}; move it, or enlarge domain.size", ball.radius - way)
 }
 
 /// Refuses bodies in places from which a grid of this spacing has too few cells to where fluid flows in or out.

@@ -28,6 +28,7 @@ pub fn tests() -> Vec<Test> {
         Test::only_on(1, a_steady_flow_with_inertia_lies_inside_its_bar),
         Test::only_on(1, a_disk_that_settles_lies_inside_its_bar),
         Test::of(a_flow_that_is_not_steady_at_the_end_has_no_accuracy),
+        Test::only_on(1, the_drag_that_has_a_bar_is_that_of_forces_alone),
     ]
 }
 
@@ -174,6 +175,20 @@ fn a_disk_that_settles_lies_inside_its_bar(session: &Session) {
         estimate.quantity == EstimatedQuantity::Velocity && error <= estimate.error && estimate.error <= 2e-2,
         "{error:e} {estimate:?}"
     );
+}
+
+/// A disk held in a stream that turns as well: its bar is that of force and torque together.
+fn the_drag_that_has_a_bar_is_that_of_forces_alone(session: &Session) {
+    let text = "accuracy = 2e-2\ndomain.size = [1.0, 1.0]\nflow.drive = { mean_velocity = [1.0, 0.0] }\n\
+                bodies = [{ radius = 0.2, centers = [[0.513, 0.527]], motion = { spin = 4.0 } }]\n";
+    let scene = Scene::parse("turning", Path::new("."), text, &[]).unwrap();
+    let Finished { summary, .. } = complete::<2>(session, &scene, None, Options::default()).unwrap();
+    let (forces, accuracy) = (summary.forces.unwrap(), summary.accuracy.unwrap());
+    let (force, torque) = (forces.mean[0].hypot(forces.mean[1]), forces.mean_torque.unwrap()[0].abs() / 0.2);
+    let (drag, error) = (accuracy.drag.unwrap(), accuracy.estimated.drag.unwrap());
+    // of one body the root mean square is the size; a disk alone has the torque 4 pi mu a^2 w
+    assert!((drag.root_mean_square / force - 1.0).abs() < 1e-12 && torque > 4.0 * PI * 0.2 * 4.0, "{drag:?} {force} {torque}");
+    assert!((drag.bar / (error * force.hypot(torque)) - 1.0).abs() < 1e-9, "{drag:?} {error}");
 }
 
 /// After a tenth of the time the drag still falls.

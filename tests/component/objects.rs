@@ -141,6 +141,8 @@ fn a_ring_treads_as_far_as_its_beads_go_around_in_a_shear(session: &Session) {
     assert!(cells.number("tread", end).unwrap() < -TAU, "more than a turn, clockwise");
     // the only chain is a ring, which has no ends
     assert!(chains.column("end_to_end").is_none() && chains.column("angle").is_none());
+    let series = table(&path, "series.csv");
+    assert!(series.column("end_to_end").is_none() && series.column("gyration").is_some());
     assert!((chains.number("contour_length", 0).unwrap() - 8.0 * 0.66).abs() < 1e-9);
     // the radius of the octagon
     assert!((chains.number("gyration", 0).unwrap() - 0.33 / (TAU / 16.0).sin()).abs() < 1e-9);

@@ -169,7 +169,14 @@ fn bad_scenes() -> Vec<(&'static str, String, &'static str, &'static [usize])> {
         ("unknown_key", "[domain]\nsize = [1.0, 1.0]\nsise = 2\n".into(), "unknown key domain.sise", all),
         ("overlap", with("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 2.0], [3.5, 2.0]]"), "scene.toml:7: bodies[0].centers", all),
         ("across_the_seam", with("[[bodies]]\nradius = 1.0\ncenters = [[0.5, 2.0], [9.5, 2.0]]"), "overlaps body 0", all),
-        ("outside", walled("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 0.5]]"), "lies outside the box along y", all),
+        ("outside", walled("[[bodies]]\nradius = 1.0\ncenters = [[2.0, -0.5]]"), "lies outside the box along y", all),
+        (
+            "in_the_lower_wall",
+            walled("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 0.5]]"),
+            "body 0 overlaps the wall at y = 0 by 5.000e-1; move it, or enlarge domain.size",
+            all,
+        ),
+        ("in_the_upper_wall", walled("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 9.25]]"), "overlaps the wall at y = 10 by 2.500e-1", all),
         ("own_image", with("[[bodies]]\nradius = 5.5\ncenters = [[2.0, 2.0]]"), "its own periodic image", all),
         ("too_few_cells", with("[[bodies]]\nradius = 1.0\ncenters = [[2.0, 2.0]]").replace("= 4", "= 2"), "at least 3 are needed", all),
         (

@@ -189,6 +189,17 @@ fn plans_are_cheap_whatever_they_plan() {
     }
 }
 
+/// Bodies that fall through a floor are told of before and at the start of a run.
+#[test]
+fn plans_and_runs_warn_of_walls_that_hold_nothing() {
+    let scene = write(&folder("door-fall"), &(DRY.replace("inelastic", "none") + &bodies("centers = [[4.0, 6.0]]\ndensity = 1.0")));
+    let (path, message) = (scene.to_str().unwrap(), "bodies pass through walls without contact.model");
+    let plan = turbid(1, &["plan", path]);
+    assert!(String::from_utf8_lossy(&plan.stdout).contains(&format!("warning    {message}")), "{}", said(&plan));
+    let run = turbid(2, &["run", path, "--out", folder("door-fall-out").to_str().unwrap()]);
+    assert_eq!((run.status.code(), said(&run).matches(message).count()), (Some(0), 1), "{}", said(&run));
+}
+
 /// The program with its standard output led elsewhere by a shell.
 fn led(shell: &str, scene: &Path) -> Output {
     let mut command = Command::new("bash");

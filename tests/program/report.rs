@@ -145,6 +145,44 @@ fn an_instantaneous_solve_tells_the_drag_and_leaves_a_frame() {
     assert!(page.contains("drag ratio") && page.contains("cut at y = 0.5") && page.contains("speed |u| / mean velocity"));
 }
 
+/// A disk that only turns in a fluid at rest: nothing flows past it.
+#[test]
+fn a_body_that_turns_tells_its_torque_and_no_drag() {
+    let here = folder("report-turning");
+    let disk = "domain.size = [1.0, 1.0]\nresolution.spacing = 0.03125\n[[bodies]]\nradius = 0.2\ncenters = [[0.51, 0.52]]\nmotion = { spin = 2.0 }\n";
+    let (scene, out) = (write(&here, disk), here.join("out"));
+    let text = printed(2, &scene, &out);
+    let torque: f64 = line(&text, "torque on the body").split(' ').next().unwrap().replace('\u{2212}', "-").parse().unwrap();
+    let exact = number(&summary(&out), "bodies.0.torque.0");
+    assert!((torque / exact - 1.0).abs() < 1e-5 && torque < -1.0, "{torque} {exact}");
+    assert!(text.contains("force on the body") && !text.contains("drag coefficient"), "{text}");
+    let sphere = printed(1, &write(&here, SPHERE), &here.join("sphere"));
+    assert!(sphere.contains("drag ratio") && !sphere.contains("torque on the body"), "{sphere}");
+}
+
+/// A disk that is thrown into a fluid at rest has a layer of half a cell after two steps; one that is held has no Reynolds number.
+#[test]
+fn a_layer_that_the_grid_does_not_resolve_is_told_at_the_end() {
+    let here = folder("report-layer");
+    let thrown = "domain.size = [4.0, 4.0]\nflow = { model = \"navier-stokes\", density = 1.0, viscosity = 0.1 }\nresolution.cells_per_radius = 4\n\
+                  time = { end = 0.04, step = 0.02 }\noutput.picture = false\n[[bodies]]\nradius = 0.5\ncenters = [[2.0, 2.0]]\ndensity = 1.0\n";
+    let text = printed(2, &write(&here, &format!("{thrown}velocity = [1.0, 0.0]\n")), &here.join("thrown"));
+    assert!(line(&text, "warning").contains("cells thick, choose resolution.spacing = "), "{text}");
+    assert!(line(&text, "time").ends_with("0.04 in 2 steps of 0.02"), "{text}");
+    assert!(line(&text, "Reynolds number").ends_with("(fastest body)") && text.contains("\nStokes number"), "{text}");
+    let held = printed(1, &write(&here, &format!("{thrown}motion = \"fixed\"\n")), &here.join("held"));
+    assert!(!held.contains("Reynolds number") && !held.contains("Stokes number"), "{held}");
+}
+
+#[test]
+fn a_box_without_bodies_has_a_fraction_without_a_sign() {
+    let here = folder("report-empty");
+    let scene = write(&here, "domain.size = [1.0, 1.0]\nflow.drive = { mean_velocity = [1.0, 0.0] }\nresolution.spacing = 0.125\n");
+    let text = printed(1, &scene, &here.join("out"));
+    assert!(text.starts_with("0 bodies, fraction 0.0000, on 1 rank"), "{text}");
+    assert!(!fs::read_to_string(here.join("out/summary.json")).unwrap().contains("\"fraction\": -0.0"));
+}
+
 #[test]
 fn dry_and_scalar_runs_have_pages_too() {
     let here = folder("report-dry");

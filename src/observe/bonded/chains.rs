@@ -4,6 +4,7 @@ use std::{collections::HashSet, ops::Range};
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 
+use super::tied::{Form, tied};
 use crate::interaction::{Interactions, Measure, Spring};
 
 /// Chains at an instant; means are over all of them.
@@ -11,8 +12,8 @@ use crate::interaction::{Interactions, Measure, Spring};
 pub struct ChainNumbers<const D: usize> {
     /// Energy of all bonds that can give way.
     pub bond_energy: f64,
-    /// Mean distance from the first to the last bead.
-    pub end_to_end: f64,
+    /// Mean distance from the first to the last bead of those with ends; nothing where all are rings and cells.
+    pub end_to_end: Option<f64>,
     /// Mean radius of gyration: root of the mean square distance of beads from the middle of their chain.
     pub gyration: f64,
     /// Root of the mean square, over all beads between two others of lines, rings and outlines, of the angle by which the chain turns there, over the mean
@@ -33,15 +34,21 @@ impl<const D: usize> ChainNumbers<D> {
         let energy = |chain: &Range<usize>| interactions.springs_of(chain, &center).iter().map(Spring::energy).sum::<f64>();
         let count = chains.len() as f64;
         let length = |chain: &Range<usize>| (centers[chain.end - 1] - centers[chain.start]).norm();
+        let lines: Vec<f64> = lines(interactions).map(|line| length(&line)).collect();
         let spreads: Vec<SMatrix<f64, D, D>> = chains.iter().map(|chain| gyration_tensor(&centers[chain.clone()])).collect();
         Some(ChainNumbers {
             bond_energy: chains.iter().map(energy).sum(),
-            end_to_end: chains.iter().map(length).sum::<f64>() / count,
+            end_to_end: (!lines.is_empty()).then(|| lines.iter().sum::<f64>() / lines.len() as f64),
             gyration: spreads.iter().map(|spread| spread.trace().sqrt()).sum::<f64>() / count,
             curvature: curvature(interactions, centers),
             orientation: spreads.iter().map(orientation).sum::<SMatrix<f64, D, D>>() / count,
         })
     }
+}
+
+/// The chains with ends.
+fn lines<const D: usize>(interactions: &Interactions<D>) -> impl Iterator<Item = Range<usize>> {
+    tied(interactions).into_iter().filter(|tied| tied.form == Form::Line).map(|tied| tied.beads)
 }
 
 /// See [`ChainNumbers::curvature`].

@@ -5,3 +5,4 @@ pub mod chain_geometry;
 pub mod chains;
 pub mod clusters;
 pub mod membranes;
+pub mod tied;

@@ -24,11 +24,13 @@ const PLAIN: &str = "units of the scene";
 impl SpeedScale {
     /// That of a scene.
     pub fn of(scene: &Scene) -> SpeedScale {
-        let (unit, words) = set_by_walls(scene).or_else(|| set_by_drive(scene)).or_else(|| set_by_bodies(scene)).unwrap_or((1.0, PLAIN));
+        let set = set_by_walls(scene).or_else(|| set_by_drive(scene)).or_else(|| set_by_bodies(scene));
+        // what slides along walls without a fluid has no rate
+        let (unit, words) = set.filter(|(_, words)| !(scene.dry() && *words == SHEARED)).unwrap_or((1.0, PLAIN));
         let sheared = words == SHEARED;
         let height = scene.domain.size[if scene.dimension() == 3 { scene.plane_of_pictures()[1] } else { 1 }];
         let rate = if sheared { (unit / height, "rate") } else { (1.0, PLAIN) };
-        let fastest = if words == PLAIN { driven_by_forces(scene) } else { unit };
+        let fastest = set.map_or_else(|| driven_by_forces(scene), |(speed, _)| speed);
         SpeedScale { unit, words, rate, least: REST * fastest / unit }
     }
 
@@ -105,6 +107,15 @@ mod tests {
         let scale = SpeedScale::of(&scene);
         assert_eq!((scale.unit, scale.words, scale.rate.0), (6.0, SHEARED, 2.0));
         assert_eq!(SpeedScale::name("speed |u|", scale.words), "speed |u| / (rate \u{d7} height)");
+    }
+
+    #[test]
+    fn a_dry_scene_between_walls_that_slide_has_no_rate() {
+        let mut scene = Scene::new("dry", &[4.0, 3.0]);
+        scene.flow.model = crate::scene::FlowModel::None;
+        scene.domain.axes[1] = AxisSection::Walls { lower: vec![0.0, 0.0], upper: vec![2.0, 0.0] };
+        let scale = SpeedScale::of(&scene);
+        assert_eq!((scale.unit, scale.words, scale.least), (1.0, PLAIN, 2.0 * REST));
     }
 
     #[test]

@@ -83,6 +83,7 @@ impl Calibrated {
             },
             drag: None,
         };
+        // errors are those of forces and torques together
         summary.attach(accuracy, drag.map(|drag| drag.norm() / (given as f64).sqrt()));
         Ok(())
     }

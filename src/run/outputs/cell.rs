@@ -12,9 +12,9 @@ pub fn count(name: impl Into<Cow<'static, str>>, count: usize) -> Cell {
     (name.into(), count.to_string())
 }
 
-/// The shortest text that reads back as the number.
+/// The shortest text that reads back as the number; zero has no sign.
 pub fn real(name: impl Into<Cow<'static, str>>, value: f64) -> Cell {
-    (name.into(), format!("{value:?}"))
+    (name.into(), format!("{:?}", value + 0.0))
 }
 
 /// A number that is not there.

@@ -192,7 +192,7 @@ mod tests {
         let rows = [Balance::begin(0.0, rates(1.0, 2.0, 0.5)), balance()];
         let columns = |row: &Balance| row.columns(true).into_iter().filter_map(|(name, value)| Some((name, value?))).collect::<Vec<_>>();
         let names: Vec<&str> = columns(&rows[0]).iter().map(|(name, _)| *name).collect();
-        let line = |row: &Balance| columns(row).iter().map(|(_, value)| format!(",{value:?}")).collect::<String>();
+        let line = |row: &Balance| columns(row).iter().map(|(_, value)| format!(",{:?}", value + 0.0)).collect::<String>();
         let text = format!("step,time,{}\n0,0.0{}\n2,1.0{}\n", names.join(","), line(&rows[0]), line(&rows[1]));
         let expected = Balance { rates: EnergyRates { lost_in_contacts: 0.0, ..rows[1].rates }, ..rows[1] };
         assert_eq!(Balance::read(&text), Some(expected));

@@ -6,7 +6,7 @@ use super::context::{Context, Wanted};
 use crate::{
     error::Result,
     geometry::{Oscillation, Protocol},
-    output::{Columns, OscillationSummary, Summary},
+    output::{Columns, OscillationSummary, Summary, measured_stress},
     picture::{Chart, Scale, Series},
     run::{Output, View},
 };
@@ -33,12 +33,32 @@ impl<const D: usize> Output<D> for ProtocolFiles {
         if view.viscosity.is_none() {
             return Ok(Vec::new());
         }
-        let chart = chart(view.scene.shown_title(), series.curve("strain", "shear_stress"));
+        let chart = chart(&view.scene.title, &series);
         Ok(vec![view.write_file(&self.folder, "stress.svg", chart.svg().as_bytes())?])
     }
 }
 
-fn chart(title: &str, points: Vec<(f64, f64)>) -> Chart {
-    let series = vec![Series { name: "shear stress".into(), points }];
-    Chart { title: title.into(), x: "strain".into(), y: "shear stress".into(), scale: Scale::Linear, series }
+/// The stress of which moduli are made, over the strain.
+fn chart(title: &str, series: &Columns) -> Chart {
+    let measured = measured_stress(series);
+    let name = if measured == "wall_stress" { "shear stress on the walls" } else { "shear stress" };
+    let series = vec![Series { name: name.into(), points: series.curve("strain", measured) }];
+    Chart { title: title.into(), x: "strain".into(), y: name.into(), scale: Scale::Linear, series }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stress_on_walls_is_drawn_where_there_are_walls() {
+        let head = "time,strain,shear_stress";
+        let between_walls = chart("", &Columns::parse(&format!("{head},wall_stress\n0,0.5,1,2\n")));
+        assert_eq!((between_walls.y.as_str(), &between_walls.series[0].points[..]), ("shear stress on the walls", &[(0.5, 2.0)][..]));
+        let periodic = chart("one", &Columns::parse(&format!("{head}\n0,0.5,1\n")));
+        assert_eq!(
+            (periodic.y.as_str(), &periodic.series[0].points[..], periodic.title.as_str()),
+            ("shear stress", &[(0.5, 1.0)][..], "one")
+        );
+    }
 }

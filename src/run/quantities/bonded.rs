@@ -12,7 +12,7 @@ pub fn chains<const D: usize>() -> Vec<Quantity<D>> {
         Quantity::new("bond_energy", "energy; 2D: energy/length", "energy of stretched and bent bonds", |view| {
             Some(view.chains()?.bond_energy)
         }),
-        Quantity::new("end_to_end", "length", "mean distance of the ends of chains", |view| Some(view.chains()?.end_to_end)),
+        Quantity::new("end_to_end", "length", "mean distance of the ends of chains that are no rings", |view| view.chains()?.end_to_end),
         Quantity::new("gyration", "length", "mean radius of gyration of chains", |view| Some(view.chains()?.gyration)),
         // chains without a bead between two others have no curvature
         Quantity::new("curvature", "1/length", "root mean square turn at a bead over the mean length of its bonds", |view| {

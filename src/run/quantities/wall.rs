@@ -10,7 +10,8 @@ use crate::{
 /// Where the wall is, how dense the layer, and what its contacts do to the wall.
 pub fn loaded<const D: usize>() -> Vec<Quantity<D>> {
     let stress = "force of the contacts of the step on the wall that domain.normal_stress presses, and on what is fixed to it, per area, in the axes of the box";
-    let ratio = "size of loaded_wall_stress along the wall over domain.normal_stress: the friction coefficient of the layer";
+    let ratio = "magnitude of loaded_wall_stress along the wall over domain.normal_stress, the friction coefficient of the layer: never negative, so that its \
+                 mean is that of magnitudes; the sign is that of loaded_wall_stress";
     vec![
         Quantity::new("wall_position", "length", "coordinate of the wall that domain.normal_stress presses", |view| {
             Some(view.motion?.state().wall?.position)

@@ -426,7 +426,7 @@ impl Motion {
                 "free" => Ok(Motion::Free),
                 "fixed" => Ok(Motion::Fixed),
                 "wall" => Ok(Motion::Wall),
-                _ => Err(entry.refuse(&format!("must be {CHOICES}"))),
+                word => Err(entry.refuse(&format!("must be {CHOICES}{}", entry.guess(word, ["free", "fixed", "wall"])))),
             };
         }
         if !entry.value.is_inline_table() {

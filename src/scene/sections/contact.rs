@@ -197,7 +197,7 @@ impl ContactSection {
         for (key, law) in OF_ONE_LAW.into_iter().filter(|(_, law)| *law != model.word()) {
             // no friction is none by any law
             if let Some(entry) = table.get(key).filter(|_| key != "friction" || friction.coefficient > 0.0) {
-                return Err(entry.refuse(&format!("only contact.model = {law:?} has it; remove it")));
+                return Err(entry.refuse(&format!("only contact.model = {law:?} has it; set contact.model = {law:?}, or remove it")));
             }
         }
         let roughness = table.get("roughness").map(|entry| roughness(&entry)).transpose()?;

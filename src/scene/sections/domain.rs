@@ -154,7 +154,7 @@ impl AxisSection {
             return match word {
                 "periodic" => Ok(AxisSection::Periodic),
                 "walls" => Ok(AxisSection::Walls { lower: vec![0.0; dimension], upper: vec![0.0; dimension] }),
-                _ => Err(entry.refuse(&format!("must be {CHOICES}"))),
+                word => Err(entry.refuse(&format!("must be {CHOICES}{}", entry.guess(word, ["periodic", "walls"])))),
             };
         }
         if !entry.value.is_inline_table() {

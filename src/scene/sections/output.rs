@@ -87,7 +87,8 @@ pub(in crate::scene) const KEYS: [Key; 19] = [
         "displacements",
         "true or false",
         "true",
-        "Whether mean-square displacements of the free bodies are measured, less what the shear and their mean carry along, and the diffusivities that follow.",
+        "Whether mean-square displacements of the free bodies are measured, less their mean and what the shear of a fluid carries along, and the diffusivities that \
+        follow. Of dry bodies between walls that move the shear is not subtracted: along these walls displacements show the velocity profile, not diffusion.",
     )
     .default("false")
     .needs("time.end = 1.0"),
@@ -105,7 +106,8 @@ pub(in crate::scene) const KEYS: [Key; 19] = [
         "\"y\"",
         "Axes across which profiles are measured: velocity, solid fraction and stress, \
         with intervals.",
-    ),
+    )
+    .default("[]"),
     Key::new(
         "energy",
         "true or false",
@@ -335,9 +337,9 @@ fn read_profiles(entry: &Entry, dimension: usize, model: FlowModel) -> Result<Ve
     };
     let once = (1..axes.len()).all(|place| !axes[..place].contains(&axes[place]));
     let axes = entry.expect(axes, once, "names an axis twice")?;
-    let axes = entry.expect(axes.clone(), !axes.is_empty(), "must be an axis, as \"y\", or a list of axes")?;
     let remedy = "inclusions of a scalar (flow.model = \"scalar\") have no profiles; remove it";
-    entry.expect(axes, model != FlowModel::Scalar, remedy)
+    let right = axes.is_empty() || model != FlowModel::Scalar;
+    entry.expect(axes, right, remedy)
 }
 
 fn read_pairs(entry: &Entry, model: FlowModel) -> Result<bool> {

@@ -6,11 +6,10 @@ use nalgebra::Vector2;
 
 use super::super::context::{Context, Wanted};
 use super::table::{Entry, ObjectRow, Objects, opened, vector};
-use super::ties::{Form, Tied, tied};
 use super::turns::AngleColumns;
 use crate::{
     interaction::Measure,
-    observe::{CellGeometry, facets, mean_phase},
+    observe::{CellGeometry, Form, Tied, facets, mean_phase, tied},
     run::View,
 };
 

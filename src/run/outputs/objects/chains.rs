@@ -4,9 +4,11 @@ use nalgebra::SVector;
 
 use super::super::context::{Context, Wanted};
 use super::table::{Entry, ObjectRow, Objects, opened, vector};
-use super::ties::{Form, Tied, tied};
 use super::turns::AngleColumns;
-use crate::{observe::ChainGeometry, run::View};
+use crate::{
+    observe::{ChainGeometry, Form, Tied, tied},
+    run::View,
+};
 
 /// The chains of a run.
 struct Chains {

@@ -4,5 +4,4 @@ pub mod cells;
 pub mod chains;
 pub mod clusters;
 mod table;
-mod ties;
 mod turns;
