@@ -39,12 +39,12 @@ impl Part {
             Part::Hydrodynamic => "1 plus the part of the resolved stresslets",
             Part::Lubrication => "part of the lubrication films that multipliers do not resolve",
             Part::Interaction => {
-                "part of forces at a distance: repulsion, forces of one's own, given torques (half the couple per volume) and, between walls, given \
+                "part of forces at a distance: forces of one's own, given torques (half the couple per volume) and, between walls, given \
                  forces along them (less force times height over the middle)"
             }
             Part::Bonds => "part of the bonds of chains, cells and clusters",
             Part::Reynolds => "part of fluctuations of the momentum, with inertia",
-            Part::Contact => "part of contact forces, of normal ones with friction",
+            Part::Contact => "part of contact forces and of repulsion, of normal ones with friction",
             Part::Friction => "part of tangential contact forces, with friction in a fluid",
         }
     }

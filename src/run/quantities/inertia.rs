@@ -13,7 +13,7 @@ use crate::{
 /// Unit and meaning of a kinetic energy, which dry bodies have too.
 pub const KINETIC_ENERGY: (&str, &str) = (
     "energy; 2D: energy/length",
-    "kinetic energy of fluid and bodies with inertia; in a dry run of the free bodies, spins included, at the time of the row",
+    "kinetic energy of fluid and bodies with inertia; in a dry run of the free bodies, spins included, at the time of the row, of those in contact half a step before",
 );
 
 /// Energy, numbers without units, and what the grid makes of momentum.

@@ -39,7 +39,7 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "number",
         "0.05",
         "Largest part of its radius that a body moves in an automatic step: in Stokes flow as seen by what is near it (to a neighbour the smaller diameter and the \
-        gap, to a wall its radius and the gap, to the mean of all bodies ten radii), and the largest strain of the box; otherwise in the box.",
+        gap, to a wall its radius and the gap, to the mean of all bodies ten radii), and the largest strain of the box; otherwise in the box. Of dry bodies with friction or torques also the largest angle of a turn, in radians.",
     )
     .unit("radii")
     .default("0.1")
