@@ -21,4 +21,4 @@ pub use resistance::Resistance;
 pub use scalar::{InclusionState, Inclusions, ScalarSetup, ScalarSolution, SolvedScalar, Uzawa};
 pub use shear_stress::{load_stress, shear_stress};
 pub use suspension::Suspension;
-pub use unsteady::{UnsteadySuspension, is_driven_at_once, starts_at_once};
+pub use unsteady::{UnsteadySuspension, is_moved_at_once, starts_at_once};

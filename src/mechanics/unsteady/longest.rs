@@ -71,15 +71,15 @@ fn by_motion<const D: usize>(setup: &Setup<D>, way: f64, body: usize, motion: Mo
 /// Whether velocities jump at the start: those of free bodies that something moves at once, or beside walls, bodies or a stream that do.
 pub fn starts_at_once<const D: usize>(setup: &Setup<D>) -> bool {
     let starts = inertia(setup).starts.iter().any(|start| *start != Twist::zero());
-    starts || setup.domain.shear_rate() != 0.0 || is_driven_at_once(setup)
+    starts || setup.domain.shear_rate() != 0.0 || stream(setup) > 0.0 || is_moved_at_once(setup)
 }
 
-/// Whether walls, bodies of prescribed motion or a stream jump at the start: what drives them is an impulse.
-pub fn is_driven_at_once<const D: usize>(setup: &Setup<D>) -> bool {
-    let walls = setup.domain.axes.iter().any(|axis| axis.fastest_wall() > 0.0);
+/// Whether walls or bodies of prescribed motion jump at the start: what moves them is an impulse.
+pub fn is_moved_at_once<const D: usize>(setup: &Setup<D>) -> bool {
+    let walls = setup.domain.axes.iter().any(|axis| axis.walled() && axis.fastest_wall() > 0.0);
     let mut given: Vec<_> = setup.bodies.iter().map(|suspended| suspended.body.given_motion()).collect();
     setup.trajectories.twists(0.0).for_each(|(body, twist)| given[body] = Some(twist));
-    walls || stream(setup) > 0.0 || given.into_iter().flatten().any(|twist| twist != Twist::zero())
+    walls || given.into_iter().flatten().any(|twist| twist != Twist::zero())
 }
 
 /// The time in which a force moves a mass so far; infinite without a force.

@@ -29,7 +29,7 @@ use self::{
     scheme::convection_weights,
 };
 pub use self::{
-    longest::{COURANT, LARGEST_COURANT, first_step, is_driven_at_once, longest_step, starts_at_once},
+    longest::{COURANT, LARGEST_COURANT, first_step, is_moved_at_once, longest_step, starts_at_once},
     momentum::inertia,
     scheme::StepWeights,
 };
@@ -304,12 +304,12 @@ impl<const D: usize> UnsteadySuspension<D> {
         starts.map(|(suspended, start)| suspended.body.given_motion().unwrap_or(*start)).collect()
     }
 
-    /// Lets what lies inside bodies move as they do, of points of the grid the part that bodies fill around them.
+    /// Lets what lies inside bodies that move do so too, of points of the grid the part that bodies fill around them.
     fn start_bodies(&self, centers: &[SVector<f64, D>], fluid: &mut Vector) -> Result<()> {
         let (grid, size) = (&self.fixed.grid, self.fixed.grid.spacing());
         let (mut places, mut motions) = (Vec::new(), Vec::new());
-        let bodies = if starts_at_once(&self.fixed.setup) { &self.fixed.setup.bodies[..] } else { &[] };
-        for ((suspended, start), center) in bodies.iter().zip(self.starting_motions()).zip(centers) {
+        let starts = self.fixed.setup.bodies.iter().zip(self.starting_motions()).zip(centers);
+        for ((suspended, start), center) in starts.filter(|((_, start), _)| *start != Twist::zero()) {
             let ball = Ball { center: SVector::zeros(), radius: suspended.body.ball.radius };
             each_inside(grid, center, ball.radius + 0.5 * size.norm(), |Point { component, place, offset, shear, .. }| {
                 places.push(place);
@@ -336,7 +336,7 @@ impl<const D: usize> UnsteadySuspension<D> {
             }
         }
         // what has jumped in the first step is in no rate of change
-        let jumped = self.past.len() == 2 && is_driven_at_once(&self.fixed.setup);
+        let jumped = self.past.len() == 2 && is_moved_at_once(&self.fixed.setup);
         let (last, earlier) = (self.past[0].0.time, self.past.get(1).filter(|_| !jumped).map(|(level, _)| level.time));
         let weights = StepWeights::new(time - last, earlier.map(|earlier| last - earlier));
         self.of_impulse = weights.of_impulse();

@@ -7,7 +7,7 @@ use super::context::{Context, Wanted, boxed};
 use super::step_table::StepTable;
 use crate::{
     error::{Error, Result},
-    mechanics::is_driven_at_once,
+    mechanics::is_moved_at_once,
     motion::Simulation,
     observe::EnergyRates,
     output::{Columns, EnergySummary, Summary},
@@ -141,7 +141,7 @@ impl<const D: usize> Output<D> for EnergyFile {
         let Some(rates) = EnergyRates::of(flow.solver, flow.solution, contacts, view.viscosity)? else { return Ok(()) };
         let (steps, time) = (motion.state().steps, motion.state().time);
         // the force of a jump is an impulse, which the step after it does not have
-        let part = if steps == 2 && is_driven_at_once(flow.solver.setup()) { 0.0 } else { 0.5 };
+        let part = if steps == 2 && is_moved_at_once(flow.solver.setup()) { 0.0 } else { 0.5 };
         let balance = self.balance.map_or_else(|| Balance::begin(time, rates), |before| before.after(time, rates, part));
         self.balance = Some(balance);
         let touching = flow.solver.setup().interactions.touch().is_some();
