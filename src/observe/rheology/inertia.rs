@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::{
     body::Body,
     error::Result,
-    flow::fastest,
+    flow::{Drive, fastest},
     geometry::{Axis, Ball},
     grid::{Grid, operators::signed},
     observe::{
@@ -78,6 +78,11 @@ fn square<const D: usize>(grid: &Grid<D>, fluid: &Vector) -> Result<f64> {
 /// PETSc fails.
 pub fn energy_of_movers<const D: usize>(setup: &Setup<D>, grid: &Grid<D>, solution: &Solution<D>, start: bool) -> Result<f64> {
     let Some(inertia) = &setup.inertia else { return Ok(0.0) };
+    let stream = matches!(setup.drive, Drive::MeanVelocity(_)) || setup.domain.open().is_some();
+    if start && !stream {
+        // the fluid rests, but for what the grid has of bodies that move
+        return Ok(energy_of(setup, inertia, solution, |density| density, Body::free));
+    }
     let excess = energy_of(setup, inertia, solution, |density| density - inertia.fluid, Body::free);
     let inside_others = match start {
         true => energy_inside_at_start(setup, inertia, grid, solution)?,
