@@ -134,15 +134,19 @@ impl<const D: usize> From<Vec<PairForce<D>>> for Forces<D> {
 impl<const D: usize> PairForce<D> {
     /// What it adds to the stress times volume, a pressure counting as negative: `-F r` for a partner at `r`, the torques being taken for half of it.
     pub fn stress(&self) -> SMatrix<f64, D, D> {
-        let arm = self.contact.normal * self.contact.separation;
-        let moment = self.force * arm.transpose();
-        (moment + moment.transpose()) * -0.5
+        stress_of_pair(&self.force, &(self.contact.normal * self.contact.separation))
     }
 
     /// What all of them add, if there are any.
     pub fn total_stress(forces: &[PairForce<D>]) -> Option<SMatrix<f64, D, D>> {
         forces.iter().map(PairForce::stress).reduce(|sum, stress| sum + stress)
     }
+}
+
+/// What a force on a partner away by `arm`, and the opposite one on the body, add to the stress times volume: the symmetric part of `-F r`.
+pub fn stress_of_pair<const D: usize>(force: &SVector<f64, D>, arm: &SVector<f64, D>) -> SMatrix<f64, D, D> {
+    let moment = force * arm.transpose();
+    (moment + moment.transpose()) * -0.5
 }
 
 impl<const D: usize> From<&ContactForce<D>> for PairForce<D> {

@@ -27,7 +27,7 @@ mod welds;
 
 use std::fmt::Debug;
 
-pub use arrangement::{Arrangement, Forces, PairForce, Wrench};
+pub use arrangement::{Arrangement, Forces, PairForce, Wrench, stress_of_pair};
 pub use body_force_law::{BodyForceLaw, ForceRange};
 pub use bonds::{Bend, Bonds, Stretch};
 pub use cluster::Cluster;

@@ -100,9 +100,8 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// The longest way of the last step, in radii of the body that went it; of an automatic one no more than is asked for, however far all moved together.
     pub(super) fn travelled(&self, state: &State<D>) -> f64 {
-        let last: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         let most = if self.step_control.time.step == Step::Auto { self.step_control.time.travel } else { f64::INFINITY };
-        (state.last_step / self.time_in_box(state, &last)).min(most)
+        (state.last_step / self.time_in_box(state, &state.twists())).min(most)
     }
 
     /// The tolerance of the solves of an instant.

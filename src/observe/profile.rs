@@ -14,7 +14,10 @@ use std::f64::consts::PI;
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::geometry::{Ball, Domain};
+use crate::{
+    geometry::{Ball, Domain},
+    interaction::stress_of_pair,
+};
 
 /// Most slices across an axis.
 pub const MOST_SLICES: usize = 200;
@@ -163,8 +166,7 @@ impl<const D: usize> ProfileSums<D> {
     pub fn add_contact(&mut self, contact: &ProfileContact<D>) {
         let ProfileContact { from, normal, separation, force } = *contact;
         let (axis, solid) = (self.slices.axis, &mut self.solid);
-        let moment = force * normal.transpose() * separation;
-        let moment = (moment + moment.transpose()) * -0.5;
+        let moment = stress_of_pair(&force, &(normal * separation));
         let start = self.slices.domain.wrap(from)[axis];
         let end = start + normal[axis] * separation;
         let (low, high) = (start.min(end), start.max(end));

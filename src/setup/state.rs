@@ -301,6 +301,11 @@ impl<const D: usize> State<D> {
         self.bodies.iter().map(|body| body.center).collect()
     }
 
+    /// Their motions.
+    pub fn twists(&self) -> Vec<Twist<D>> {
+        self.bodies.iter().map(|body| body.twist).collect()
+    }
+
     /// The bodies as balls with these radii.
     pub fn balls(&self, radii: &[f64]) -> Vec<Ball<D>> {
         self.bodies.iter().zip(radii).map(|(body, &radius)| Ball { center: body.center, radius }).collect()

@@ -65,16 +65,8 @@ pub fn solve_exactly<const D: usize, const W: usize>(program: &FrictionProgram<D
         sweeps.settle(first, LOCAL);
     }
     let mut best = Found { forces: sweeps.forces.clone(), residual: sweeps.residual, sweeps: 0, iterations: 0 };
-    // impulses are not unique: where little has changed since the guess, those beside it
     if best.residual > tolerance && best.residual <= NEAR {
-        sweeps.run(tolerance, FEW_SWEEPS);
-        best.take(&sweeps.forces, sweeps.residual);
-    }
-    if best.residual > tolerance && best.residual <= NEAR {
-        iterations += best.follow(program, &sweeps, best.residual);
-        if best.residual < sweeps.residual {
-            sweeps.go_on(best.forces.clone());
-        }
+        iterations += best.stay(program, &mut sweeps, tolerance);
     }
     loop {
         sweeps.run(first, if first >= FIRST { most.max(MOST_SWEEPS[0]) } else { most });
@@ -124,6 +116,21 @@ fn largest<const D: usize>(forces: &[[f64; D]]) -> f64 {
 }
 
 impl<const D: usize> Found<D> {
+    /// Takes impulses beside a near guess: they are not unique, and where little has changed they shall not. By a few sweeps, or by the interior point, whose
+    /// iterations these are.
+    fn stay<const W: usize>(&mut self, program: &FrictionProgram<D, W>, sweeps: &mut Sweeps<D, W>, tolerance: f64) -> usize {
+        sweeps.run(tolerance, FEW_SWEEPS);
+        self.take(&sweeps.forces, sweeps.residual);
+        if self.residual <= tolerance {
+            return 0;
+        }
+        let iterations = self.follow(program, sweeps, self.residual);
+        if self.residual < sweeps.residual {
+            sweeps.go_on(self.forces.clone());
+        }
+        iterations
+    }
+
     /// Takes the impulses of the interior point from where sweeps have come to a residual, if they are better; its iterations.
     fn follow<const W: usize>(&mut self, program: &FrictionProgram<D, W>, sweeps: &Sweeps<D, W>, residual: f64) -> usize {
         let (forces, iterations) = from_sweeps(program, sweeps, START * residual);

@@ -364,9 +364,8 @@ impl<const D: usize> UnsteadySuspension<D> {
         let fastest = fastest(&self.fixed.grid, &self.past[0].0.fluid)?;
         let kept = kept(&self.fixed.grid, weights.step, inverse_diffusivity, fastest);
         let levels: Vec<(&Level<D>, &Extended<D>)> = self.past.iter().map(|(level, extended)| (level, extended)).collect();
-        let times: Vec<f64> = self.past.iter().map(|(level, _)| level.time).collect();
-        let earlier = if weights.rate[2] == 0.0 { &times[..1] } else { &times };
-        let convection = convection_weights(times[0] + weights.step, earlier);
+        let times: Vec<f64> = self.past.iter().take(weights.levels()).map(|(level, _)| level.time).collect();
+        let convection = convection_weights(times[0] + weights.step, &times);
         let viscous = weights.of_known_flux(weights.step / (inverse_diffusivity * self.fixed.grid.spacing().min().powi(2)));
         let past = Past { levels: &levels, weights, convection, viscous, inverse_diffusivity, kept };
         let body_types = self.fixed.method.jumps().then_some(&self.fixed.body_types);

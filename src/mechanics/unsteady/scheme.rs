@@ -27,6 +27,11 @@ impl StepWeights {
         StepWeights { step, rate: rate.map(|weight| weight / step), extrapolation: [1.0 + ratio, -ratio] }
     }
 
+    /// Earlier times at most from which convection is extrapolated: in a step of first order the last one alone.
+    pub fn levels(&self) -> usize {
+        if self.rate[2] == 0.0 { 1 } else { 3 }
+    }
+
     /// Weights of the last flow and the one before in that of which a part of the viscous flux is taken, in a step in which viscosity passes so many `cells`, squared. In longer
     /// steps what is extrapolated would grow, and the last flow alone says it well enough.
     pub fn of_known_flux(&self, cells: f64) -> [f64; 2] {

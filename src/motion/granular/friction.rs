@@ -68,8 +68,8 @@ impl<const D: usize> Granular<D> {
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
         let last = state.contact_history.iter().map(|contact| (contact.identity(), contact.tangential)).collect();
         let (tolerance, last) = (self.friction_tolerance(), &last);
-        let starts: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
-        let friction = FrictionShare { surfaces, starts: &starts, spins: &spins, inertias: &inertias, duration: push, tolerance, last };
+        let starts = &state.twists();
+        let friction = FrictionShare { surfaces, starts, spins: &spins, inertias: &inertias, duration: push, tolerance, last };
         project_with_friction(peers, &share, &friction, &state.memory())
     }
 }

@@ -125,10 +125,9 @@ impl<const D: usize> Granular<D> {
 impl<const D: usize> Granular<D> {
     /// Motions of all bodies at the start of a step, and that of the wall, across this axis. Collective.
     fn starts_with_wall(&self, state: &State<D>, axis: usize) -> Vec<Twist<D>> {
-        let own: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
         let velocity = state.wall.map_or(0.0, |wall| wall.velocity);
         let wall = Twist { velocity: SVector::from_fn(|other, _| if other == axis { velocity } else { 0.0 }), ..Twist::zero() };
-        [all_twists(self.peers(), state, &own), vec![wall]].concat()
+        [all_twists(self.peers(), state, &state.twists()), vec![wall]].concat()
     }
 }
 

@@ -209,11 +209,11 @@ impl<const D: usize> Granular<D> {
 
     /// The motions of own bodies at the time of a state. Collective.
     fn carried_on(&self, state: &State<D>) -> Vec<Twist<D>> {
-        let (bodies, accelerations, groups) = (&self.bodies, &self.known.accelerations, &self.groups);
-        let behind = HalfStepBehind { state, bodies, accelerations, groups, lag: self.lag(state) };
-        let mut twists = behind.carried_on(self.peers());
+        let (peers, bodies) = (self.peers(), &self.bodies);
+        let behind = HalfStepBehind::new(peers, state, bodies, &self.known.accelerations, &self.groups, self.lag(state));
+        let mut twists = behind.carried_on();
         if !self.interactions.clusters().is_empty() {
-            Ties::turn_clusters_on(self.peers(), &self.interactions, state, bodies, &behind.pushed(self.peers()), &mut twists);
+            Ties::turn_clusters_on(peers, &self.interactions, state, bodies, &behind.pushed(), &mut twists);
         }
         self.trajectories
             .twists(state.time)

@@ -97,8 +97,8 @@ impl<const D: usize> Granular<D> {
             ContactWrench { force: wrench.force + contact.normal * force, ..*wrench }
         };
         let wrenches: Vec<ContactWrench<D>> = rubbing.contacts.iter().zip(&rubbing.wrenches).map(whole).collect();
-        let starts: Vec<Twist<D>> = state.bodies.iter().map(|body| body.twist).collect();
-        let report = rubbing.problem(self).report(&wrenches, &all_twists(self.peers(), state, &starts), &twists);
+        let starts = all_twists(self.peers(), state, &state.twists());
+        let report = rubbing.problem(self).report(&wrenches, &starts, &twists);
         FrictionReport { sweeps: rubbing.cost[0], iterations: rubbing.cost[1], ..report }
     }
 }

@@ -36,9 +36,8 @@ impl<const D: usize> Ties<D> {
     ) -> Option<Ties<D>> {
         let (chains, clusters) = (interactions.chains(), interactions.clusters());
         let masses = || -> Vec<f64> { bodies.iter().map(|body| body.mass).collect() };
-        let inertias = || -> Vec<f64> { bodies.iter().map(|body| body.inertia / body.mass).collect() };
         let chains = (!chains.is_empty()).then(|| GranularChains::new(peers, interactions, &chains, state, &masses(), step));
-        let clusters = (!clusters.is_empty()).then(|| GranularClusters::new(peers, clusters, state, &inertias(), moves, step.length));
+        let clusters = (!clusters.is_empty()).then(|| GranularClusters::new(peers, clusters, state, &inertias(bodies), moves, step.length));
         (chains.is_some() || clusters.is_some()).then_some(Ties { chains, clusters })
     }
 
@@ -51,8 +50,7 @@ impl<const D: usize> Ties<D> {
         pushed: &[Twist<D>],
         twists: &mut [Twist<D>],
     ) {
-        let inertias: Vec<f64> = bodies.iter().map(|body| body.inertia / body.mass).collect();
-        let clusters = GranularClusters::new(peers, interactions.clusters(), state, &inertias, pushed, 0.0);
+        let clusters = GranularClusters::new(peers, interactions.clusters(), state, &inertias(bodies), pushed, 0.0);
         let velocities: Vec<SVector<f64, D>> = pushed.iter().map(|twist| twist.velocity).collect();
         let unchanged = vec![SVector::zeros(); pushed.len()];
         clusters.turn(peers, [&velocities, &unchanged], &mut pushed.to_vec(), twists);
@@ -113,4 +111,9 @@ impl<const D: usize> Ties<D> {
             clusters.turn(peers, wanted, moves, twists);
         }
     }
+}
+
+/// Moments of inertia over masses.
+fn inertias<const D: usize>(bodies: &[Constants<D>]) -> Vec<f64> {
+    bodies.iter().map(|body| body.inertia / body.mass).collect()
 }
