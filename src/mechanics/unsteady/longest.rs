@@ -16,7 +16,7 @@ pub const COURANT: f64 = 0.5;
 pub const LARGEST_COURANT: f64 = 0.7;
 
 /// Length of the first step, which is of first order, over that in which something moves as far as in later ones.
-const FIRST: f64 = 0.25;
+const FIRST: f64 = 0.0625;
 
 /// The same where a stream is there at once, as later steps have it then: around a body it is twice as fast.
 const AROUND: f64 = 0.5;

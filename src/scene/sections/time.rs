@@ -49,9 +49,10 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "error",
         "number",
         "1e-4",
-        "Error of the displacements of bodies in Stokes flow in an automatic step, over their radii: root mean square of the difference \
+        "Error of the displacements of bodies in a flow in an automatic step, over their radii: root mean square of the difference \
         between the displacement of the last step and its length times the mean of the velocities before and after it; for a single \
-        body ten times as much.",
+        body ten times as much. With inertia it limits only by how much a step is longer than the last one, and a tenth of the way of \
+        a body is allowed if that is more.",
     )
     .unit("radii")
     .default("0.3 of the cube of travel: 3e-4")
