@@ -64,7 +64,7 @@ fn a_disk_that_starts_at_once_goes_its_way_at_second_order(session: &Session) {
 fn a_second_step_twice_as_long_makes_up_for_a_start_too(session: &Session) {
     let mut lengths = Vec::new();
     // with an error that lets the second step grow
-    let automatic = started_at_once(session, (0.4, "\"auto\", error = 0.1", 0.6), &mut lengths);
+    let automatic = started_at_once(session, (0.4, "\"auto\", error = 1.0", 0.6), &mut lengths);
     assert_eq!(lengths[2], 2.0 * lengths[1], "{lengths:?}");
     let short = started_at_once(session, (0.4, "0.02", 0.6), &mut Vec::new());
     // four steps: their error is of second order

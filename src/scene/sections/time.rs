@@ -143,8 +143,8 @@ impl TimeSection {
         let part = |name: &str| table.get(name).map(|entry| read_part(&entry, step)).transpose();
         let travel = part("travel")?.unwrap_or(default.travel);
         let error = part("error")?;
-        if let (Some(entry), true) = (table.get("error"), model != FlowModel::Stokes) {
-            return Err(entry.refuse("is of steps in Stokes flow; with inertia and in dry scenes time.travel limits them: remove it"));
+        if let (Some(entry), true) = (table.get("error"), !model.fluid()) {
+            return Err(entry.refuse("is of steps in a flow; in dry scenes time.travel limits them: remove it"));
         }
         Ok(Some(TimeSection {
             step,
