@@ -26,7 +26,7 @@ const LUBRICATED_ORDER: [usize; 2] = [3, 4];
 
 /// Highest order where lubrication knows what they miss, in 2D and 3D. By a wall the image of a mode is sharper than the mode: 0.01 radii from it a sphere resists approach by
 /// 8 % too much with twelve modes at twelve cells a radius, and by 0.2 % with eight.
-const LUBRICATED_MOST_ORDER: [usize; 2] = [24, 8];
+const LUBRICATED_MOST_ORDER: [usize; 2] = [8, 8];
 
 /// Order of the modes of a body with so many cells per radius, for whose modes films stand or not (`bare`): what is asked for, or what the grid
 /// carries well.

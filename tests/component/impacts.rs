@@ -16,6 +16,8 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_disk_that_starts_at_once_goes_its_way_at_second_order),
         Test::of(a_second_step_twice_as_long_makes_up_for_a_start_too),
         Test::of(a_disk_that_falls_from_rest_goes_its_way_in_automatic_steps),
+        Test::of(steps_too_short_for_a_light_disk_end_the_run),
+        Test::of(layers_are_no_thicker_than_viscosity_has_reached),
         Test::of(disks_that_have_met_go_on_together_with_the_energy_that_is_left),
     ]
 }
@@ -90,6 +92,41 @@ fn a_disk_that_falls_from_rest_goes_its_way_in_automatic_steps(session: &Session
             assert!((automatic / exact - 1.0).abs() < 0.015, "at {end}: {automatic} and {exact}");
         }
     }
+}
+
+/// A disk that a force pushes in a fluid of little viscosity, for two steps.
+fn pushed(density: f64) -> Scene {
+    let text = format!(
+        "domain = {{ size = [4.0, 4.0], x = \"walls\", y = \"walls\" }}\nflow = {{ model = \"navier-stokes\", viscosity = 1e-3, density = 1.0 }}\n\
+         resolution.cells_per_radius = 4\nbodies = [{{ radius = 0.5, centers = [[2.0, 2.0]], density = {density}, force = [0.01, 0.0] }}]\n\
+         time = {{ step = 0.01, end = 0.03 }}\n"
+    );
+    Scene::parse("scene", Path::new("."), &text, &[]).unwrap()
+}
+
+/// They moved against the force and faster and faster, and the run went on.
+fn steps_too_short_for_a_light_disk_end_the_run(session: &Session) {
+    let mut simulation = Simulation::<2>::new(session, &pushed(0.1)).unwrap();
+    let ended = (0..4).find_map(|_| {
+        let observation = simulation.evaluate(&mut |_, _| {});
+        observation.and_then(|observation| simulation.step(&observation, &mut |_, _| {})).err()
+    });
+    let text = ended.expect("steps this short lead nowhere").to_string();
+    assert!(text.contains("too short for bodies lighter than the fluid"), "{text}");
+}
+
+/// Where the grid does not see a layer its slope says nothing: it told of 23 cells where viscosity had reached a fiftieth of one.
+fn layers_are_no_thicker_than_viscosity_has_reached(session: &Session) {
+    let mut simulation = Simulation::<2>::new(session, &pushed(1.0)).unwrap();
+    for _ in 0..2 {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    }
+    simulation.evaluate(&mut |_, _| {}).unwrap();
+    let time = simulation.state().time;
+    let layer = simulation.suspension().unwrap().evolution_on_grid().unwrap().thinnest_layer().unwrap().unwrap();
+    let reached = (PI * 1e-3 * time).sqrt() / 0.125;
+    assert!(layer > 0.0 && layer <= reached * (1.0 + 1e-12), "{layer} cells where {reached} were reached");
 }
 
 /// Where contact forces acted as other forces do, they parted at a tenth of their speed and more, and contacts took a quarter more energy than there was to lose.
