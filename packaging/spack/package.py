@@ -15,7 +15,7 @@ class Turbid(CargoPackage):
     license("MIT OR Apache-2.0")
 
     # the checksum belongs to a published archive, which does not exist yet
-    version("0.1.0")
+    version("0.2.0")
 
     variant("int64", default=False, description="PETSc with 64-bit indices: more than 1.9e9 unknowns")
 

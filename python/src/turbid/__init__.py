@@ -29,7 +29,7 @@ from .statistics import Mean, blocking, shortage, standard_error, steady_mean
 from .sweeps import open_sweep, sweep
 from .viscosity import Viscosity
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Animation",
