@@ -39,7 +39,7 @@ pub struct Simulation<const D: usize> {
     stepper: Box<dyn Stepper<D>>,
     domain: Domain<D>,
     step_control: StepControl,
-    /// Whether the last step was cut short by the end of the run.
+    /// Whether the end of the run cut a step short, the last one or one before: it may have turned out shorter still for it, and what follows is not what it would be.
     cut_short: bool,
     /// How often the step from the state was halved so far.
     halvings: usize,
@@ -124,7 +124,7 @@ impl<const D: usize> Simulation<D> {
     /// # Panics
     /// If it is the state of a share.
     pub fn restore(&mut self, state: State<D>, history: History<D>) -> Result<()> {
-        (self.state, self.ahead) = (own_part(&self.state.share, state), None);
+        (self.state, self.ahead, self.cut_short) = (own_part(&self.state.share, state), None, false);
         self.slide();
         self.stepper.settle(&mut self.state, &self.domain);
         self.stepper.restore(history)
@@ -235,7 +235,7 @@ impl<const D: usize> Simulation<D> {
         self.step_control.may_end(self.state.time, self.state.last_step)
     }
 
-    /// Whether the state lies on the way of a longer run: its last step was not cut short by the end.
+    /// Whether the state lies on the way of a longer run: no step to it was cut short by the end.
     pub fn on_the_way(&self) -> bool {
         !self.cut_short
     }
@@ -344,8 +344,7 @@ impl<const D: usize> Simulation<D> {
         self.slide();
         // bodies of given motion by the time: sums of steps drift away
         self.stepper.settle(&mut self.state, &self.domain);
-        // whole cells of images that slide may be rounded
-        self.cut_short = observation.step_size.cut_short() && travel.step >= observation.step_size.length * (1.0 - ROUNDING);
+        self.cut_short |= observation.step_size.cut_short();
         Ok(StepReport { length: travel.step, kkt_report: travel.kkt_report, effort: travel.effort, halvings: self.halvings })
     }
 

@@ -59,7 +59,8 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// Velocities of bodies as their neighbours see them: where images slide, without what all take part in, but with what that does to neighbours.
     fn deviatoric_velocities(&self, state: &State<D>, twists: &[Twist<D>]) -> Vec<SVector<f64, D>> {
-        let domain = &self.suspension.setup().domain;
+        // that of the suspension is still where something was solved last
+        let domain = self.domain_at(state);
         let strain = domain.shear_rate().abs();
         let deviatoric = |((body, twist), radius): ((&Moving<D>, &Twist<D>), &f64)| {
             let own = twist.velocity - domain.carried(&body.center);

@@ -40,6 +40,7 @@ mod friction_pairs;
 mod friction_turning_in_flow;
 mod friction_with_all;
 mod grid;
+mod halves;
 mod hard;
 mod impacts;
 mod inclusions;
@@ -130,6 +131,7 @@ fn main() {
         solvers::tests(),
         steps::tests(),
         grid::tests(),
+        halves::tests(),
         interpolation::tests(),
         fluid::tests(),
         friction::tests(),
