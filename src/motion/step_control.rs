@@ -223,7 +223,13 @@ impl StepControl {
 
     /// Whether the next step may reach the end.
     pub fn may_end(&self, time: f64, last_step: f64) -> bool {
-        let step = if let Step::Fixed(step) = self.time.step { step } else { self.grown(time, last_step) };
+        let longest = match self.time.step {
+            Step::Fixed(step) => step,
+            // as long as a first one
+            Step::Auto if !self.by_twos && self.jumped(time, last_step) => self.time.end,
+            Step::Auto => self.grown(time, last_step),
+        };
+        let step = longest.max(self.whole(time, longest, last_step));
         time + step * (1.0 + ROUNDING) >= self.time.end
     }
 }
@@ -290,6 +296,27 @@ mod tests {
         let half = |time: f64| control.half(StepStart { time, last_step: 0.1 }, 0.7).map(|half| (half * 1e9).round() / 1e9);
         let halves = [0.9, 1.0, 1.3].map(half);
         assert_eq!(halves, [Some(0.3), Some(0.2), Some(0.3)]);
+    }
+
+    #[test]
+    fn the_step_after_a_jump_of_the_rate_may_reach_the_end_as_a_first_one_may() {
+        let protocol = Protocol::steps(&[(7.0, 1.0), (20.0, -1.0)]);
+        let flowing = StepControl { protocol: Some(protocol), ..control(Step::Auto, None) };
+        assert_eq!([(6.9, 0.1), (7.0, 0.1), (7.1, 0.1)].map(|(time, last_step)| flowing.may_end(time, last_step)), [false, true, false]);
+        let evolving = StepControl { by_twos: true, ..flowing };
+        assert!(!evolving.may_end(7.0, 0.1));
+    }
+
+    #[test]
+    fn a_step_to_the_next_whole_cells_may_reach_the_end_however_short_the_last_one_was() {
+        // images that turn at 2.5 slide slowly there
+        let protocol = Protocol::Oscillation { amplitude: 1.0, frequency: 0.1 };
+        let mut sheared = StepControl { shift_period: Some(ShiftPeriod::changing(protocol, 0.5)), ..control(Step::Fixed(0.01), None) };
+        let start = 5.0 / 6.0;
+        let step = next(&sheared, start, 0.01, f64::INFINITY);
+        assert!((step - 5.0 / 3.0).abs() < 1e-9, "{step}");
+        sheared.time.end = start + step;
+        assert!(sheared.may_end(start, 0.01));
     }
 
     #[test]

@@ -15,6 +15,7 @@ use crate::{
 /// The tests of this file.
 pub fn tests() -> Vec<Test> {
     vec![
+        Test::of(the_only_step_after_a_jump_of_the_rate_may_be_cut_short),
         Test::of(a_resumed_run_solves_as_exactly_as_the_rate_of_the_instant_asks),
         Test::of(what_follows_a_step_that_the_end_cuts_short_is_not_kept),
     ]
@@ -53,6 +54,14 @@ fn missed(session: &Session, rate: &str, step: &str, [split, end]: [f64; 2]) -> 
     assert_eq!(whole.0, halves.0);
     let farthest = whole.1.iter().zip(&halves.1).map(|(one, other)| (one - other).norm()).fold(0.0, f64::max);
     farthest.max((whole.2 - halves.2).abs())
+}
+
+/// The step from 0.7 on would be longer than all since the jump before.
+fn the_only_step_after_a_jump_of_the_rate_may_be_cut_short(session: &Session) {
+    for split in [0.79, 0.8, 0.81] {
+        let missed = missed(session, JUMPS, "\"auto\"", [split, 0.9]);
+        assert!(missed < 1e-10, "{split}: {missed:e}");
+    }
 }
 
 /// The rate at the start is five times that at the split.
