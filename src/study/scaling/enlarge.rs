@@ -51,9 +51,10 @@ pub fn write_enlarged<const D: usize>(scene: &Scene, copies: [usize; D], folder:
                 .map(|(center, radius)| (center.as_slice().to_vec(), radius.unwrap_or(bodies.radius)))
                 .collect::<Vec<_>>(),
         };
-        let file = folder.join(format!("bodies-{group}.csv"));
-        write_whole(&file, table(&given, &scene.domain.size, copies).as_bytes())?;
-        changes.push(format!("bodies.{group}.file={:?}", file.to_string_lossy()));
+        // beside the scene, from whose folder it is read
+        let file = format!("bodies-{group}.csv");
+        write_whole(&folder.join(&file), table(&given, &scene.domain.size, copies).as_bytes())?;
+        changes.push(format!("bodies.{group}.file={file:?}"));
     }
     let text = Scene::parse(&scene.name, folder, &scene.movable_text()?, &changes)?.text;
     let path = folder.join(format!("{}.toml", scene.name));
@@ -124,8 +125,8 @@ mod tests {
     }
 
     #[test]
-    fn bodies_grow_with_the_box() {
-        let folder = std::env::temp_dir().join(format!("turbid-enlarge-{}", std::process::id()));
+    fn bodies_grow_with_the_box_in_a_relative_folder_too() {
+        let folder = PathBuf::from(format!("target/turbid-enlarge-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let groups =
             ["centers = [[1.0, 1.0]]", "count = 3", "fraction = 0.1"].map(|placed| format!("[[bodies]]\nradius = 0.5\n{placed}\n"));
