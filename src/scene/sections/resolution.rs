@@ -17,8 +17,8 @@ pub(in crate::scene) const KEYS: [Key; 3] = [
         3 % finer or else coarser than asked for where such numbers are even and without factors above 7, which makes solvers quick.")
         .unit("length").default("this or cells_per_radius is required").range("above 0"),
     Key::new("modes", "\"auto\", \"most\" or a whole number", "8", "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
-        vector spherical harmonics in 3D. Automatic: about one a cell of the radius, with lubrication 0.6 for disks that move, and at most 8 \
-        for spheres; most: as many as the grid carries.")
+        vector spherical harmonics in 3D. Automatic: about one a cell of the radius, with lubrication at most 8, and 0.6 for disks that \
+        move; most: as many as the grid carries.")
         .default("\"auto\"").range("at least 2; of a scalar at least 1"),
 ];
 
