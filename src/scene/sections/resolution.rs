@@ -11,15 +11,30 @@ pub(in crate::scene) const SPACINGS: [&str; 2] = ["cells_per_radius", "spacing"]
 
 /// Keys of `[resolution]`.
 pub(in crate::scene) const KEYS: [Key; 3] = [
-    Key::new("cells_per_radius", "number", "6", "Grid cells across the radius of the smallest body.").unit("cells")
-        .default("this or spacing is required").range("at least 3"),
-    Key::new("spacing", "number or table", "0.1", "Edge of a grid cell, or { exactly = 0.1 }. Each axis is divided into a whole number of cells; up to \
-        3 % finer or else coarser than asked for where such numbers are even and without factors above 7, which makes solvers quick.")
-        .unit("length").default("this or cells_per_radius is required").range("above 0"),
-    Key::new("modes", "\"auto\", \"most\" or a whole number", "8", "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
+    Key::new("cells_per_radius", "number", "6", "Grid cells across the radius of the smallest body.")
+        .unit("cells")
+        .default("this or spacing is required")
+        .range("at least 3"),
+    Key::new(
+        "spacing",
+        "number or table",
+        "0.1",
+        "Edge of a grid cell, or { exactly = 0.1 }. Each axis is divided into a whole number of cells; up to \
+        3 % finer or else coarser than asked for where such numbers are even and without factors above 7, which makes solvers quick.",
+    )
+    .unit("length")
+    .default("this or cells_per_radius is required")
+    .range("above 0"),
+    Key::new(
+        "modes",
+        "\"auto\", \"most\" or a whole number",
+        "8",
+        "Highest order of the multipliers of each body: Fourier modes in 2D, degrees of \
         vector spherical harmonics in 3D. Automatic: about one a cell of the radius, with lubrication at most 8, and 0.6 for disks that \
-        move; most: as many as the grid carries.")
-        .default("\"auto\"").range("at least 2; of a scalar at least 1"),
+        move; most: as many as the grid carries.",
+    )
+    .default("\"auto\"")
+    .range("at least 2; of a scalar at least 1"),
 ];
 
 /// Keys of `resolution.spacing`.
