@@ -339,7 +339,10 @@ impl<const D: usize> Simulation<D> {
         self.state.adhesive_contacts = travel.adhesive_contacts;
         self.state.shear = travel.shear;
         self.state.wall = travel.wall;
-        self.state.carried = self.suspension().map_or(Vec::new(), |_| velocities(&travel.moves));
+        self.state.carried = match self.suspension() {
+            Some(flow) if flow.evolution().is_none() => velocities(&travel.moves),
+            _ => Vec::new(),
+        };
         self.state.advance(&travel.moves, travel.step);
         self.slide();
         // bodies of given motion by the time: sums of steps drift away

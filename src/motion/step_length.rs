@@ -23,9 +23,6 @@ const LOOSEST_AT_STRESS: f64 = 1e-5;
 /// How many times what it may move relative to its neighbours a body moves in the box in a first step, of whose error nothing is known.
 const FIRST: f64 = 3.0;
 
-/// Part of its way by which a body with inertia may err in a step if that is more than it may otherwise.
-const PART_OF_WAY: f64 = 0.1;
-
 impl<const D: usize> QuasiStatic<D> {
     /// The step to take with these motions and forces.
     pub(super) fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
@@ -69,8 +66,7 @@ impl<const D: usize> QuasiStatic<D> {
         state.bodies.iter().zip(twists).zip(&self.radii).map(deviatoric).collect()
     }
 
-    /// The longest step in which free bodies err by what they may, by how far the last one led from the trapezoidal rule. With inertia it is never shorter than the last
-    /// one, as motions that waver from cell to cell would make it, and bodies may err by a part of their way too.
+    /// The longest step in which free bodies err by what they may, by how far the last one led from the trapezoidal rule.
     fn accurate_step(&self, placed: &Placed<D>, twists: &[Twist<D>]) -> f64 {
         let state = placed.state;
         if state.carried.is_empty() || self.last_step(state) == 0.0 {
@@ -85,11 +81,9 @@ impl<const D: usize> QuasiStatic<D> {
             velocity[0] -= followed * last.center[1];
             velocity * state.last_step
         };
-        let (part, least) = if self.evolves() { (PART_OF_WAY / self.step_control.time.error, state.last_step) } else { (0.0, 0.0) };
-        let scale = |radius: f64, now: &Twist<D>| radius.max(part * now.velocity.norm() * state.last_step);
         let free = bodies.zip(rates).filter(|((suspended, _), _)| suspended.body.free());
-        let errors: Vec<(SVector<f64, D>, f64)> = free.map(|((_, &radius), rates)| (error(rates), scale(radius, rates.0.1))).collect();
-        accurate_step(&errors, state.last_step, self.step_control.time.error).max(least)
+        let errors: Vec<(SVector<f64, D>, f64)> = free.map(|((_, &radius), rates)| (error(rates), radius)).collect();
+        accurate_step(&errors, state.last_step, self.step_control.time.error)
     }
 
     /// What flow and bodies passed in the last step over what they may pass in an automatic one; 0 without inertia.

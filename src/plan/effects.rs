@@ -191,10 +191,6 @@ fn schedule(time: &TimeSection, model: FlowModel) -> String {
                 time.travel, time.error
             )
         }
-        Step::Auto if model == FlowModel::NavierStokes => format!(
-            "steps in which no body moves more than {} radii, and which grow where none errs by more than {:.1e}",
-            time.travel, time.error
-        ),
         Step::Auto => format!("steps in which no body moves more than {} radii", time.travel),
     };
     let scheme = match time.scheme {

@@ -399,7 +399,7 @@ fn of_time(time: &TimeSection, model: FlowModel) -> Keys {
         Step::Auto => vec![word("time.step", "auto"), number("time.travel", *travel)],
         Step::Fixed(step) => vec![number("time.step", *step)],
     });
-    if model.fluid() && *step == Step::Auto {
+    if (model, *step) == (FlowModel::Stokes, Step::Auto) {
         keys.push(number("time.error", *error));
     }
     if let Some(Until { viscosity_interval, strain }) = until {

@@ -117,7 +117,7 @@ pub struct State<const D: usize> {
     pub contact_history: Vec<ContactHistory<D>>,
     /// Contacts of these bodies that stick; none unless contacts are gluey.
     pub adhesive_contacts: Vec<AdhesiveContact<D>>,
-    /// Velocities that carried these bodies over the last step, by which the next one tells how far it erred; none in dry runs.
+    /// Velocities that carried these bodies over the last step, by which the next one tells how far it erred; none but in Stokes flow.
     pub carried: Vec<SVector<f64, D>>,
 }
 

@@ -17,10 +17,7 @@ pub const COURANT: f64 = 0.5;
 pub const LARGEST_COURANT: f64 = 0.7;
 
 /// Length of the first step, which is of first order, over that in which something moves as far as in later ones.
-const FIRST: f64 = 0.0625;
-
-/// How many times as long the first step may be for the sake of light bodies.
-const LONGER_FIRST: f64 = 4.0;
+const FIRST: f64 = 0.25;
 
 /// The same where a stream is there at once, as later steps have it then: around a body it is twice as fast.
 const AROUND: f64 = 0.5;
@@ -55,7 +52,7 @@ pub fn longest_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64
     (way / fastest).min(ends).min(SUPPORTED * fall(setup, way))
 }
 
-/// The longest first step, but no shorter than light bodies are stable with if it need not be four times as long: a part of that in which the flow as it is, the drive, walls, given motions, or forces from rest (those of the setup and `pushes`
+/// The longest first step: a part of that in which the flow as it is, the drive, walls, given motions, or forces from rest (those of the setup and `pushes`
 /// on the bodies, if any) move something across as many cells as later steps may.
 pub fn first_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64, pushes: &[Wrench<D>]) -> f64 {
     let way = COURANT * spacing;
@@ -64,8 +61,7 @@ pub fn first_step<const D: usize>(setup: &Setup<D>, spacing: f64, fastest: f64, 
     let walls = setup.domain.axes.iter().filter(|axis| axis.walled());
     let by_walls = walls.map(|axis| way / axis.fastest_wall()).fold(f64::INFINITY, f64::min);
     let by_drive = from_rest(way, inertia(setup).fluid, setup.strongest_drive().uniform_force().norm());
-    let step = (AROUND * way / fastest.max(stream(setup))).min(FIRST * by_bodies.min(by_walls).min(by_drive));
-    step.max(shortest_step(setup, spacing).min(LONGER_FIRST * step))
+    (AROUND * way / fastest.max(stream(setup))).min(FIRST * by_bodies.min(by_walls).min(by_drive))
 }
 
 /// The largest speed that the fluid is given at once.

@@ -49,10 +49,9 @@ pub(in crate::scene) const KEYS: [Key; 6] = [
         "error",
         "number",
         "1e-4",
-        "Error of the displacements of bodies in a flow in an automatic step, over their radii: root mean square of the difference \
+        "Error of the displacements of bodies in Stokes flow in an automatic step, over their radii: root mean square of the difference \
         between the displacement of the last step and its length times the mean of the velocities before and after it; for a single \
-        body ten times as much. With inertia it limits only by how much a step is longer than the last one, and a tenth of the way of \
-        a body is allowed if that is more.",
+        body ten times as much.",
     )
     .unit("radii")
     .default("0.3 of the cube of travel: 3e-4")
@@ -143,8 +142,8 @@ impl TimeSection {
         let part = |name: &str| table.get(name).map(|entry| read_part(&entry, step)).transpose();
         let travel = part("travel")?.unwrap_or(default.travel);
         let error = part("error")?;
-        if let (Some(entry), true) = (table.get("error"), !model.fluid()) {
-            return Err(entry.refuse("is of steps in a flow; in dry scenes time.travel limits them: remove it"));
+        if let (Some(entry), true) = (table.get("error"), model != FlowModel::Stokes) {
+            return Err(entry.refuse("is of steps in Stokes flow; with inertia and in dry scenes time.travel limits them: remove it"));
         }
         Ok(Some(TimeSection {
             step,
