@@ -266,8 +266,6 @@ fn a_sphere_near_a_wall_resists_at_any_gap(session: &Session) {
     agree(&along, 6.0 * PI * 1.5674594, 0.05, "slip of a sphere near a wall");
 }
 
-/// Part of the traction passes to a wall within the cell beside it, where the grid has no row for it. A film acts on the two that it lies
-/// between and on nothing beyond, though its tractions would reach farther by some 1e-3 of them.
 /// With a mode a cell it resisted by 4 % too much at ten cells, and by 8 % at twelve.
 fn a_sphere_near_a_wall_on_a_fine_grid_has_modes_that_the_grid_carries(session: &Session) {
     let text = "domain = { size = [5.0, 5.0, 5.0], y = \"walls\" }\nresolution.cells_per_radius = 10\nmethod.tolerance = 1e-8\n\
@@ -279,6 +277,8 @@ fn a_sphere_near_a_wall_on_a_fine_grid_has_modes_that_the_grid_carries(session: 
     agree(&[1.0 / (6.0 * PI * velocity)], 101.90, 1e-2, "resistance to approach");
 }
 
+/// Part of the traction passes to a wall within the cell beside it, where the grid has no row for it. A film acts on the two that it lies
+/// between and on nothing beyond, though its tractions would reach farther by some 1e-3 of them.
 fn what_a_disk_does_to_a_near_wall_is_what_its_stress_says(session: &Session) {
     let none = Interactions::default;
     for (gap, interactions, tolerance) in
