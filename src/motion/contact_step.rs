@@ -8,7 +8,7 @@ use crate::{
     body::Twist,
     contact::{self, Contact, ContactForce, Identity, Problem, Projection},
     error::Result,
-    geometry::Ball,
+    geometry::{Ball, Domain},
     interaction::Arrangement,
     mechanics::FlowSolver,
     petsc::{Session, Stage, enter},
@@ -34,6 +34,14 @@ pub struct ContactStep<'a, const D: usize> {
     pub bounds: Vec<ContactForce<D>>,
     /// Length of the step.
     pub step: f64,
+}
+
+/// The smallest gap of balls of such weights near each other or near a wall, in radii of the smaller one; infinite without any.
+pub(super) fn smallest_gap<const D: usize>(domain: &Domain<D>, balls: &[Ball<D>], weights: &[f64], cluster_of: &[usize]) -> f64 {
+    let reach = NEAR * balls.iter().map(|ball| ball.radius).fold(0.0, f64::max);
+    let near = contact::candidates(domain, balls, weights, reach).into_iter();
+    let near = near.filter(|contact| !contact.within_cluster(cluster_of, |body| body));
+    near.map(|contact| contact.gap / contact.smaller_radius(balls)).fold(f64::INFINITY, f64::min)
 }
 
 impl<const D: usize> ContactStep<'_, D> {
@@ -71,11 +79,7 @@ impl<const D: usize> ContactStep<'_, D> {
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let moved: Vec<Ball<D>> =
             balls.iter().zip(moves).map(|(ball, twist)| Ball { center: ball.center + twist.velocity * self.step, ..*ball }).collect();
-        let (reach, cluster_of) =
-            (NEAR * moved.iter().map(|ball| ball.radius).fold(0.0, f64::max), self.flow.setup().interactions.cluster_of());
-        let near = contact::candidates(&domain.after(self.step), &moved, weights, reach).into_iter();
-        let near = near.filter(|contact| !contact.within_cluster(cluster_of, |body| body));
-        near.map(|contact| contact.gap / contact.smaller_radius(&moved)).fold(f64::INFINITY, f64::min)
+        smallest_gap(&domain.after(self.step), &moved, weights, self.flow.setup().interactions.cluster_of())
     }
 
     /// The velocities that bodies would have without contact forces, if each were alone but for the film that bears most of a force.

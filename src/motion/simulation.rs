@@ -3,6 +3,7 @@
 use std::{borrow::Cow, ops::Range};
 
 use super::{
+    contact_step::smallest_gap,
     given_motions::GivenStep,
     granular::{self, GranularSetup, migration::own_part},
     longest_step::{longest_step_in_flow, longest_step_of_protocol},
@@ -169,6 +170,14 @@ impl<const D: usize> Simulation<D> {
     pub fn whole_balls(&self) -> Vec<Ball<D>> {
         let ball = |(body, radius): (Moving<D>, f64)| Ball { center: body.center, radius };
         self.whole_part(0..self.state.count()).into_iter().map(ball).collect()
+    }
+
+    /// In a flow, the smallest gap between bodies near each other now, or of one to a wall, in radii of the smaller one; infinite if none are near.
+    pub fn smallest_gap(&self) -> Option<f64> {
+        let StepperView { radii, interactions, flow, .. } = self.stepper.view();
+        flow?;
+        let weights: Vec<f64> = self.free().into_iter().map(|free| if free { 1.0 } else { f64::INFINITY }).collect();
+        Some(smallest_gap(&self.domain, &self.state.balls(radii), &weights, interactions.cluster_of()))
     }
 
     /// The bodies of this rank with their motions at the time of the state, once it was evaluated.

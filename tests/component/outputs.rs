@@ -29,6 +29,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_new_output_is_told_of_each_instant_once),
         Test::of(a_run_of_another_dimension_is_refused),
         Test::of(a_column_of_disks_has_its_fabric_and_its_number_of_contacts),
+        Test::of(contacts_at_the_start_of_a_flow_have_a_gap_and_rub),
     ]
 }
 
@@ -175,6 +176,20 @@ fn a_column_of_disks_has_its_fabric_and_its_number_of_contacts(session: &Session
     state(session, &scene, Some(Box::new(Network(Rc::clone(&found)))));
     let (found, wanted) = (found.borrow(), [2.0, 3.0, 0.0, 0.0, 1.0]);
     assert!(found.len() == wanted.len() && found.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 1e-9), "{found:?}");
+}
+
+/// Two disks that a shear presses together, whose roughness touches.
+fn contacts_at_the_start_of_a_flow_have_a_gap_and_rub(session: &Session) {
+    let text = "domain.size = [6.0, 6.0]\nflow.drive = { shear_rate = 1.0, periodic = \"sheared\" }\nresolution.cells_per_radius = 4\n\
+                bodies = [{ radius = 1.0, centers = [[2.2894, 3.7106], [3.7106, 2.2894]] }]\n\
+                lubrication = { model = \"pairwise\", roughness = 0.02 }\ncontact = { model = \"inelastic\", friction = 0.5 }\ntime.end = 0.1\n";
+    let scene = Scene::parse("pair", Path::new("."), text, &[]).unwrap();
+    let mut run = Run::<2>::start(session, &scene, None, Options::default()).unwrap();
+    run.advance().unwrap();
+    let entry = |name: &str| run.row().iter().find(|entry| entry.column.name == name).unwrap().number.value();
+    let [contacts, sticking, slipping, gap] = ["contacts", "sticking", "slipping", "smallest_gap"].map(|name| entry(name).unwrap());
+    assert_eq!((contacts, sticking + slipping), (1.0, 1.0));
+    assert!((gap - (1.4212 * 2.0_f64.sqrt() - 2.0)).abs() < 1e-12, "{gap}");
 }
 
 fn a_new_output_is_told_of_each_instant_once(session: &Session) {

@@ -9,6 +9,9 @@ use crate::{
     scene::ContactModel,
 };
 
+/// Of which contacts it is counted whether they slide.
+const WHEN: &str = " in the step that led here; in row 0 of a flow, at its time";
+
 /// Forces of contacts and the quadratic program.
 pub fn contacts<const D: usize>() -> Vec<Quantity<D>> {
     let mut all = network();
@@ -42,10 +45,10 @@ fn network<const D: usize>() -> Vec<Quantity<D>> {
 
 /// Gaps, forces and how they were found.
 fn program<const D: usize>() -> Vec<Quantity<D>> {
-    let gap = "smallest gap between bodies, or of a body to a wall; negative: overlap; empty: no two are near";
+    let gap = "smallest gap between bodies, or of a body to a wall; negative: overlap; empty: no two are near, or the start of a run without a fluid";
     vec![
         Quantity::new("smallest_gap", "radii of the smaller body", gap, |view| {
-            contact(view).map(|_| Finite(kept(view).map_or(f64::INFINITY, |kept| kept.smallest_gap)))
+            contact(view).map(|_| Finite(kept(view).map(|kept| kept.smallest_gap).or_else(|| gap_at_start(view)).unwrap_or(f64::INFINITY)))
         }),
         Quantity::new("kkt_residual", "", "residual of the optimality conditions of the contact problem", |view| {
             projected(view).map(|kept| kept.map_or(0.0, |kept| kept.kkt_residual))
@@ -73,8 +76,8 @@ pub fn friction<const D: usize>() -> Vec<Quantity<D>> {
     let residual = "residual of the law of friction in the step that led here";
     vec![
         Quantity::new("friction_residual", "ratio", residual, |view| Some(slid(view)?.residual)).of_run(),
-        Quantity::new("sticking", "", "contacts that press and do not slide", |view| Some(slid(view)?.sticking)),
-        Quantity::new("slipping", "", "contacts that press and slide", |view| Some(slid(view)?.slipping)),
+        Quantity::new("sticking", "", format!("contacts that press and do not slide{WHEN}"), |view| Some(slid(view)?.sticking)),
+        Quantity::new("slipping", "", format!("contacts that press and slide{WHEN}"), |view| Some(slid(view)?.slipping)),
         Quantity::new(
             "contact_work",
             "energy; 2D: energy/length",
@@ -102,8 +105,14 @@ fn projected<const D: usize>(view: &View<D>) -> Option<Option<KktReport>> {
     matches!(contact(view)?, ContactModel::Inelastic | ContactModel::Gluey { .. }).then(|| kept(view))
 }
 
+/// The smallest gap at the start of a run in a flow.
+fn gap_at_start<const D: usize>(view: &View<D>) -> Option<f64> {
+    view.motion.filter(|motion| motion.state().steps == 0)?.simulation.smallest_gap()
+}
+
 /// How friction was kept, where there is friction.
 fn slid<const D: usize>(view: &View<D>) -> Option<FrictionReport> {
-    view.motion.filter(|_| view.scene.contact.friction.coefficient != 0.0)?;
-    Some(kept(view).and_then(|kept| kept.friction).unwrap_or_default())
+    let motion = view.motion.filter(|_| view.scene.contact.friction.coefficient != 0.0)?;
+    let at_start = || motion.observation.friction.filter(|_| motion.state().steps == 0);
+    Some(kept(view).and_then(|kept| kept.friction).or_else(at_start).unwrap_or_default())
 }
