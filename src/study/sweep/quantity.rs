@@ -7,6 +7,7 @@ use crate::{
     experiment::summary::RunSummary,
     geometry::Protocol,
     output::{AXES, Columns, CurvePoint, MeanViscosity},
+    run::columns,
     scene::{AxisSection, Drive, Motion, Scene},
     study::{
         cost::SceneProperties,
@@ -68,6 +69,9 @@ impl SweepQuantity {
                 Some(("series", column)) => Ok(SweepQuantity::Column(column.to_owned())),
                 Some(("last", column)) => Ok(SweepQuantity::Last(column.to_owned())),
                 Some(_) => Ok(SweepQuantity::Entry(word.to_owned())),
+                None if columns().iter().any(|column| column.name == word) && scene.time.is_some() => {
+                    Ok(SweepQuantity::Column(word.to_owned()))
+                }
                 None => refuse(
                     "must be viscosity, drag, settling, a column as series.kinetic_energy, its last entry as last.kinetic_energy, or a key of \
                      summary.json as flow.mean_velocity.0",
@@ -81,12 +85,13 @@ impl SweepQuantity {
     /// # Errors
     /// As [`of`](Self::of), or one stands there twice.
     pub fn all(words: &[String], scene: &Scene) -> Result<Vec<SweepQuantity>> {
-        if let Some(place) = (1..words.len()).find(|&place| words[..place].contains(&words[place])) {
-            return Err(Error::refused(format!("--quantity {}: stands there twice; name each quantity once", words[place])));
+        if words.is_empty() {
+            return Ok(vec![SweepQuantity::of(None, scene)?]);
         }
-        match words {
-            [] => Ok(vec![SweepQuantity::of(None, scene)?]),
-            words => words.iter().map(|word| SweepQuantity::of(Some(word), scene)).collect(),
+        let all: Vec<SweepQuantity> = words.iter().map(|word| SweepQuantity::of(Some(word), scene)).collect::<Result<_>>()?;
+        match (1..all.len()).find(|&place| all[..place].contains(&all[place])) {
+            Some(place) => Err(Error::refused(format!("--quantity {}: stands there twice; name each quantity once", words[place]))),
+            None => Ok(all),
         }
     }
 
@@ -246,7 +251,12 @@ mod tests {
             SweepQuantity::of(Some("viscosity"), &oscillating).unwrap_err().to_string().contains("choose oscillation.complex_viscosity")
         );
         assert_eq!(SweepQuantity::of(Some("flow.mean_velocity.0"), &shear).unwrap(), SweepQuantity::Entry("flow.mean_velocity.0".into()));
-        for (word, scene) in [("drag", &shear), ("settling", &shear), ("viscosity", &held), ("weight", &held), ("series.time", &held)] {
+        assert_eq!(SweepQuantity::of(Some("first_normal_difference"), &oscillating).unwrap().name(), "series.first_normal_difference");
+        let twice = ["contacts", "series.contacts"].map(str::to_owned);
+        assert!(SweepQuantity::all(&twice, &oscillating).unwrap_err().to_string().contains("series.contacts: stands there twice"));
+        for (word, scene) in
+            [("contacts", &shear), ("drag", &shear), ("settling", &shear), ("viscosity", &held), ("weight", &held), ("series.time", &held)]
+        {
             let refusal = SweepQuantity::of(Some(word), scene).unwrap_err().to_string();
             assert!(refusal.starts_with(&format!("--quantity {word}: ")), "{refusal}");
         }
