@@ -291,7 +291,7 @@ impl Summary {
             flow: Some(FlowSummary::new(setup, solution)),
             forces: ForceSummary::of(setup, solution),
             velocities: VelocitySummary::of_flow(scene, setup, solution),
-            no_viscosity: viscosity.is_none().then(|| why_no_viscosity(setup)).flatten(),
+            no_viscosity: viscosity.is_none().then(|| why_no_viscosity(setup).or_else(|| scene.why_nothing_shears())).flatten(),
             viscosity: viscosity.filter(|viscosity| !viscosity.at_rest).map(ViscositySummary::new),
             lubrication: solution.lubrication.as_ref().map(LubricationSummary::new),
             solver: Some(SolverSummary::of_flow(setup, &solution.cost, world)),

@@ -117,6 +117,24 @@ impl Scene {
         !changes && self.domain.load.is_none()
     }
 
+    /// Why nothing shears the free bodies of a scene that asks for a shear, or whose walls move, where that is so.
+    pub fn why_nothing_shears(&self) -> Option<String> {
+        let rests = match &self.flow.drive {
+            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => protocol.fastest() == 0.0,
+            _ => false,
+        };
+        let walls = || {
+            self.domain
+                .axes
+                .iter()
+                .filter_map(|axis| if let AxisSection::Walls { lower, upper } = axis { Some([lower, upper]) } else { None })
+        };
+        let alike = walls().all(|[lower, upper]| lower == upper) && walls().any(|[lower, _]| lower.iter().any(|speed| *speed != 0.0));
+        let free = self.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
+        let why = if rests { "flow.drive.shear_rate is 0" } else { "opposite walls move alike" };
+        (free && (rests || alike)).then(|| format!("nothing is sheared, as {why}"))
+    }
+
     /// How the rate of the shear that drives it changes with time, if the scene says so.
     pub fn changing_shear(&self) -> Option<&Protocol> {
         match &self.flow.drive {
@@ -124,6 +142,36 @@ impl Scene {
                 Some(protocol).filter(|protocol| !protocol.steady() && protocol.stress().is_none())
             }
             _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn free_bodies_in_a_shear_of_no_rate_or_between_walls_that_move_alike_are_not_sheared() {
+        let why = |axis: &str, motion: &str, drive: &str| {
+            let text = format!(
+                "domain.size = [6.0, 6.0]\n{axis}resolution.cells_per_radius = 4\n{drive}bodies = [{{ radius = 1.0, count = 1{motion} }}]\n"
+            );
+            Scene::parse("scene", Path::new("."), &text, &[]).unwrap().why_nothing_shears()
+        };
+        let walls = |upper: f64| format!("domain.y = {{ lower = [1.0, 0.0], upper = [{upper}, 0.0] }}\n");
+        assert_eq!(why("", "", "flow.drive.shear_rate = 0.0\n").unwrap(), "nothing is sheared, as flow.drive.shear_rate is 0");
+        assert_eq!(why(&walls(1.0), "", "").unwrap(), "nothing is sheared, as opposite walls move alike");
+        for scene in [
+            why("", "", ""),
+            why("", "", "flow.drive.shear_rate = 1.0\n"),
+            why(&walls(-1.0), "", ""),
+            why("domain.y = \"walls\"\n", "", ""),
+            why(&walls(1.0), ", motion = \"fixed\"", ""),
+        ] {
+            assert_eq!(scene, None);
         }
     }
 }

@@ -35,6 +35,7 @@ const MANY: f64 = 500.0;
 /// [`Error::Refused`], naming the key.
 pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize, Ball<D>)], counts: &[f64]) -> Result<()> {
     check_numbers(scene, counts)?;
+    check_sizes(scene, domain, counts)?;
     for members in groups_of_one_region(scene, counts) {
         let bodies = &scene.bodies[members[0]];
         let room = Room::of(scene, domain, bodies)?;
@@ -46,6 +47,17 @@ pub fn check<const D: usize>(scene: &Scene, domain: &Domain<D>, given: &[(usize,
         scene.bodies.iter().zip(counts).filter(|(_, count)| **count > 0.0).map(|(bodies, count)| bodies.smallest_of(D, *count as usize));
     let smallest = given.iter().map(|(_, ball)| ball.radius).chain(random).fold(f64::INFINITY, f64::min);
     check_grid(scene, domain, smallest)
+}
+
+/// Refuses random bodies that are larger than the box.
+fn check_sizes<const D: usize>(scene: &Scene, domain: &Domain<D>, counts: &[f64]) -> Result<()> {
+    let (axis, narrowest) = domain.size.argmin();
+    let too_large = |group: &usize| counts[*group] > 0.0 && 2.0 * scene.bodies[*group].radius > narrowest;
+    let Some(group) = (0..counts.len()).find(too_large) else { return Ok(()) };
+    let radius = scene.bodies[group].radius;
+    let remedy =
+        format!("a body is larger than the box, which is {narrowest} along {}; lower it or enlarge domain.size", ["x", "y", "z"][axis]);
+    Err(scene.refuse(&format!("{}.radius", scene.group_key(group)), radius, &remedy))
 }
 
 /// The part of the box in which bodies are placed at random: without the ends where fluid flows in or out, or the region of their group.
@@ -254,4 +266,20 @@ fn refuse_grid(scene: &Scene, resolution: &ResolutionSection, asked: &str) -> Er
 /// The place of the largest number.
 fn largest(numbers: &[f64]) -> usize {
     (0..numbers.len()).max_by(|&one, &two| numbers[one].total_cmp(&numbers[two])).unwrap_or(0)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::path::Path;
+
+    use crate::{scene::Scene, setup::Setup};
+
+    #[test]
+    fn a_body_larger_than_the_box_is_refused_as_such() {
+        let text = "domain.size = [100.0, 6.0]\nresolution.cells_per_radius = 4\nbodies = [{ radius = 4.0, count = 1 }]\n";
+        let scene = Scene::parse("scene", Path::new("."), text, &[]).unwrap();
+        let refusal = Setup::<2>::of(&scene).err().unwrap().to_string();
+        assert!(refusal.contains("bodies[0].radius = 4: a body is larger than the box, which is 6 along y; lower it"), "{refusal}");
+    }
 }
