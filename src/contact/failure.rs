@@ -1,5 +1,6 @@
 //! What stops a projection, in words and as a problem that can be solved again elsewhere.
 
+use nalgebra::SVector;
 use serde_json::{Value, json};
 
 use super::{
@@ -18,15 +19,15 @@ const LARGEST_RATIO: f64 = 1e12;
 /// Bodies that a message names at most.
 const NAMED: usize = 5;
 
-/// Pairs of cells and bodies that a look at all paths may visit.
-const MOST_VISITS: f64 = 1e9;
+/// Bodies that a look at all paths may visit, in all, or for each body where that is more: a quarter of them are pairs, which take some 200 bytes each.
+const MOST_VISITS: f64 = 2e7;
+const MOST_VISITS_OF_A_BODY: f64 = 100.0;
 
-/// Refuses weights and steps that are not positive, velocities that are not finite, and steps so long that to look who meets takes for ever.
-/// Collective: the same on all ranks. `motions` are the velocities wanted.
+/// Refuses weights and steps that are not positive, and velocities that are not finite. Collective: the same on all ranks.
 ///
 /// # Panics
 /// If lengths differ.
-pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> Result<()> {
+pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
     let count = problem.balls.len();
     assert!(problem.weights.len() == count && problem.velocities.len() == count, "each ball has a weight and a velocity");
     peers.agree(check_bodies(problem))?;
@@ -37,10 +38,13 @@ pub(super) fn check<const D: usize>(peers: Peers, problem: &Problem<D>, motions:
         );
         return peers.agree(Err(error(problem, &[], &[], text)));
     }
-    if visits(peers, problem, motions) > MOST_VISITS {
-        return too_far(peers, problem);
-    }
     Ok(())
+}
+
+/// Refuses motions with which too many bodies may meet. Collective: the same on all ranks.
+pub(super) fn check_ways<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> Result<()> {
+    let [visits, bodies] = visits(peers, problem, motions);
+    if visits <= MOST_VISITS.max(MOST_VISITS_OF_A_BODY * bodies) { Ok(()) } else { too_far(peers, problem, motions) }
 }
 
 fn check_bodies<const D: usize>(problem: &Problem<D>) -> Result<()> {
@@ -53,23 +57,24 @@ fn check_bodies<const D: usize>(problem: &Problem<D>) -> Result<()> {
         let text = format!("body {} weighs {}; change its density or radius", problem.number(body), problem.weights[body]);
         return Err(error(problem, &[body], &[], text));
     }
-    if let Some(body) = (0..problem.balls.len()).find(|&body| !displacement(problem, body).is_finite()) {
+    if let Some(body) = (0..problem.balls.len()).find(|&body| !displacement(problem, problem.velocities, body).is_finite()) {
         let text = format!("body {} has a velocity that is not finite; try a smaller time.step", problem.number(body));
         return Err(error(problem, &[body], &[], text));
     }
     Ok(())
 }
 
-/// How far a body wants to move in the step.
-fn displacement<const D: usize>(problem: &Problem<D>, body: usize) -> f64 {
-    (problem.velocities[body] * problem.step).norm()
+/// How far a body moves in the step with these velocities.
+fn displacement<const D: usize>(problem: &Problem<D>, velocities: &[SVector<f64, D>], body: usize) -> f64 {
+    (velocities[body] * problem.step).norm()
 }
 
 /// The error of bodies that move so far that all may meet all, told by the rank of the farthest.
-fn too_far<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
-    let farthest = (0..problem.balls.len()).map(|body| displacement(problem, body)).fold(0.0, f64::max);
+fn too_far<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> Result<()> {
+    let way = |body: usize| displacement(problem, motions.velocities, body);
+    let farthest = (0..problem.balls.len()).map(way).fold(0.0, f64::max);
     let all = peers.max(farthest);
-    let body = (0..problem.balls.len()).find(|&body| displacement(problem, body) == all);
+    let body = (0..problem.balls.len()).find(|&body| way(body) == all);
     peers.agree(body.map_or(Ok(()), |body| {
         let radii = all / problem.balls[body].radius;
         let text = format!("body {} moves by {radii:.3e} of its radius in one step; try a smaller time.step", problem.number(body));
@@ -77,8 +82,8 @@ fn too_far<const D: usize>(peers: Peers, problem: &Problem<D>) -> Result<()> {
     }))
 }
 
-/// About how many bodies are visited to find all pairs of paths.
-fn visits<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> f64 {
+/// About how many bodies are visited to find all pairs of paths, and how many there are.
+fn visits<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<D>) -> [f64; 2] {
     let along = |axis: usize, radius: f64| {
         let boxes = 4.0 * radius / problem.domain.size[axis];
         if problem.domain.periodic(axis) { boxes } else { boxes.min(1.0) }
@@ -86,7 +91,7 @@ fn visits<const D: usize>(peers: Peers, problem: &Problem<D>, motions: &Motions<
     let share = |radius: f64| (0..D).map(|axis| along(axis, radius)).product::<f64>();
     let mut sums = [swept_balls(problem, motions, 0.0).iter().map(|ball| share(ball.radius)).sum(), problem.balls.len() as f64];
     peers.sum(&mut sums);
-    sums[0] * sums[1]
+    [sums[0] * sums[1], sums[1]]
 }
 
 /// The error of an island that was not solved.

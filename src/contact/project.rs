@@ -11,7 +11,7 @@ use nalgebra::SVector;
 use super::{
     Contact, ContactForce, Identity, KktReport, Memory, Problem, ProblemShare, Projection, ProjectionShare, Solver, Spanning, View,
     distribute::{gathered, own_part},
-    failure::{check, endless, unkept},
+    failure::{check, check_ways, endless, unkept},
     identity_hash::ByIdentity,
     island::{free_body, solve_island},
     kkt_report::certify,
@@ -68,13 +68,18 @@ pub(super) fn project_by<const D: usize>(
     solve: IslandSolver<D>,
 ) -> Result<ProjectionShare<D>> {
     let mut state = ProjectionState::new(peers, share, memory);
-    check(peers, &share.problem, &state.motions())?;
+    check(peers, &share.problem)?;
+    check_ways(peers, &share.problem, &state.motions())?;
     if peers.any(!share.problem.lower_bounds.is_empty()) {
         let view = state.look(NEARNESS);
         let fresh: Vec<_> = view.lower_bounds.iter().map(|bound| bound.contact).collect();
         state.add(&view, &fresh, solve)?;
     }
     for round in 0..ROUNDS {
+        if round > 0 {
+            // what a contact parts may be thrown far
+            check_ways(peers, &share.problem, &state.motions())?;
+        }
         let nearness = LARGEST_NEARNESS.min(NEARNESS * f64::powi(2.0, round as i32));
         let view = state.look(nearness);
         let problem = view.problem(&share.problem);

@@ -127,6 +127,18 @@ impl Protocol {
         }
     }
 
+    /// The most by which the integral changes in an interval in which the rate does not jump, wherever it begins.
+    pub fn most_in(&self, interval: f64) -> f64 {
+        let most = self.fastest() * interval;
+        match self {
+            Protocol::Steady(_) | Protocol::Stress { .. } => most,
+            Protocol::Oscillation { amplitude, .. } => most.min(2.0 * amplitude.abs()),
+            Protocol::Steps { steps, factor } => {
+                steps.iter().map(|step| (factor * step.rate).abs() * interval.min(step.length())).fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// The shear stress that decides it, if one does.
     pub fn stress(&self) -> Option<f64> {
         if let Protocol::Stress { stress, .. } = self { Some(*stress) } else { None }
@@ -275,6 +287,15 @@ mod tests {
             assert!((turns.next_turn(time) - turn).abs() < 1e-12, "{time}");
         }
         assert_eq!(Protocol::Steady(1.0).next_turn(0.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn an_interval_strains_by_no_more_than_an_oscillation_or_a_step_does() {
+        let oscillation = Protocol::Oscillation { amplitude: -0.5, frequency: 0.25 };
+        assert_eq!([0.1, 100.0].map(|interval| oscillation.most_in(interval)), [0.1 * 0.25 * std::f64::consts::PI, 1.0]);
+        let steps = Protocol::steps(&[(1.0, 3.0), (2.0, -1.0)]).scaled(2.0);
+        assert_eq!([0.5, 2.0, 10.0].map(|interval| steps.most_in(interval)), [3.0, 6.0, 20.0]);
+        assert_eq!(Protocol::Steady(-2.0).most_in(3.0), 6.0);
     }
 
     #[test]

@@ -1,10 +1,13 @@
 //! Which shears a box can have, and how their rates may change.
 
 use super::{
-    AxisSection, ConstraintMethod, Drive, FlowModel, Motion, Scene, Scheme,
+    AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Scheme, Step,
     demand::{expect, name, walled},
 };
-use crate::{error::Result, geometry::Protocol};
+use crate::{error::Result, geometry::Protocol, linalg::ROUNDING};
+
+/// Strain of a sheared box in a fixed step at most where bodies touch.
+const MOST_STRAIN: f64 = 1.0;
 
 /// The key that a shear is given by.
 fn key(protocol: &Protocol) -> &'static str {
@@ -33,9 +36,23 @@ pub(super) fn check_sheared_box(scene: &Scene, protocol: &Protocol) -> Result<()
     expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
     let remedy = "must not be 0: nothing would ever slide; remove flow.drive.periodic";
     expect(scene, scene.time.is_none() || protocol.fastest() != 0.0, key(protocol), shown(protocol), remedy)?;
+    check_strain(scene, protocol)?;
     let inertia = scene.flow.model == FlowModel::NavierStokes && !protocol.steady();
     let remedy = "changes with time, and nothing in a fully periodic box would accelerate a fluid with inertia so; shear it between walls (domain.y = \"walls\")";
     expect(scene, !inertia, key(protocol), shown(protocol), remedy)
+}
+
+/// Refuses fixed steps in which images of bodies that touch slide past many others.
+fn check_strain(scene: &Scene, protocol: &Protocol) -> Result<()> {
+    let Some(Step::Fixed(step)) = scene.time.as_ref().map(|time| time.step) else { return Ok(()) };
+    let strain = protocol.most_in(step);
+    let bearable = scene.contact.model == ContactModel::None || protocol.stress().is_some() || strain <= MOST_STRAIN * (1.0 + ROUNDING);
+    let remedy = format!(
+        "strains the box by {strain} in one step, on whose way contacts are looked for; with contact.model it may by {MOST_STRAIN} at most: set {:.3e}, a \
+         shorter one or \"auto\"",
+        MOST_STRAIN / protocol.fastest()
+    );
+    expect(scene, bearable, "time.step", step, &remedy)
 }
 
 /// A rate that changes is one of a run in time.

@@ -90,6 +90,15 @@ fn an_absurd_step_is_refused() {
     assert!(refusal(&scene).0.starts_with("body 1 moves by 1.000e9 of its radius in one step"), "{}", refusal(&scene).0);
 }
 
+/// A hundred million pairs, of 200 bytes each.
+#[test]
+fn a_step_whose_pairs_no_memory_holds_is_refused() {
+    let mut scene = row(2, |body| Vector2::new(0.0, body as f64));
+    scene.domain = domain([200.0, 100.0], [true, true]);
+    scene.step = 1e6;
+    assert!(refusal(&scene).0.starts_with("body 1 moves by 1.000e6 of its radius in one step"), "{}", refusal(&scene).0);
+}
+
 #[test]
 fn an_island_read_back_fails_again_in_the_same_way() {
     let mut scene = row(3, |body| Vector2::new(1.0 - body as f64, 0.0));
