@@ -111,8 +111,10 @@ def test_frames_are_a_sequence(walls):
     same(part.times, frames.times[-1:2:-2])
     assert part[1].index == len(frames) - 3 and part[1:][0].time == part[1].time
     assert frames.at(0.5 * frames.times[1]).index in (0, 1)
-    with pytest.raises(IndexError, match="has frames 0 to"):
-        frames[len(frames)]
+    for beyond in (len(frames), -len(frames) - 1):
+        with pytest.raises(IndexError, match="has frames 0 to") as raised:
+            frames[beyond]
+        assert isinstance(raised.value, turbid.TurbidError)
 
 
 def test_chains_and_cells_are_tied(chains):
@@ -213,8 +215,10 @@ def test_scalar_runs_have_an_answer_and_no_frames(scalar):
         scalar.series  # noqa: B018
     with pytest.raises(turbid.Missing):
         scalar.frames.at(0.0)
-    with pytest.raises(IndexError, match="no frames"):
-        scalar.frames[0]
+    for place in (0, -1):
+        with pytest.raises(IndexError, match="no frames") as raised:
+            scalar.frames[place]
+        assert isinstance(raised.value, turbid.TurbidError)
 
 
 def test_an_unfinished_run_gives_what_is_there(unfinished, walls):

@@ -12,7 +12,7 @@ All numbers are in the units of the scene. See the README of the package and ``d
 from .animation import Animation
 from .box import Box
 from .contacts import Bonds, Contacts, Membranes
-from .errors import Damaged, Failed, Invalid, Missing, Refused, TurbidError
+from .errors import Damaged, Failed, Invalid, Missing, OutOfRange, Refused, TurbidError
 from .executable import find_executable
 from .fields import Fields
 from .frame import Frame
@@ -45,6 +45,7 @@ __all__ = [
     "Mean",
     "Membranes",
     "Missing",
+    "OutOfRange",
     "PairDistribution",
     "Plan",
     "Profile",

@@ -15,6 +15,10 @@ class Missing(TurbidError, LookupError):
     """A folder that is no run, or something that a run does not have (yet); the message says what would make it."""
 
 
+class OutOfRange(Missing, IndexError):
+    """A place in a sequence of a run that has fewer members; the message says how many there are."""
+
+
 class Invalid(TurbidError, ValueError, TypeError):
     """An argument that cannot be used; the message names it, its value and what would be right."""
 

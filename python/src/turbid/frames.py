@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .box import Floats
-from .errors import Invalid, Missing
+from .errors import Invalid, Missing, OutOfRange
 from .files import read_hdf5
 from .frame import Frame
 
@@ -44,7 +44,7 @@ class Frames(Sequence[Frame]):
             start, _, step = place.indices(len(self))
             return Frames(self._run, self._numbers[place], self.times[place], self._first + start * self._step, self._step * step)
         if not -len(self) <= place < len(self):
-            raise IndexError(f"frame {place} of {len(self)}: {self._run.folder} has frames 0 to {len(self) - 1}" if len(self) else _none(self._run))
+            raise OutOfRange(f"frame {place} of {len(self)}: {self._run.folder} has frames 0 to {len(self) - 1}" if len(self) else _none(self._run))
         place %= len(self)
         return Frame(self._run, self._first + place * self._step, int(self._numbers[place]))
 
