@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use super::{
     Contact, KktReport, Partner, Problem,
+    island::squeezed,
     paths::{Motions, swept_balls},
     solver::Outcome,
 };
@@ -15,6 +16,9 @@ use crate::{
 
 /// Largest weight over the smallest: beyond it what is between is rounding.
 const LARGEST_RATIO: f64 = 1e12;
+
+/// Part of a step that would help bodies which do not touch yet.
+const SHORT: f64 = 1e-3;
 
 /// Bodies that a message names at most.
 const NAMED: usize = 5;
@@ -103,7 +107,15 @@ pub(super) fn failure<const D: usize>(problem: &Problem<D>, contacts: &[Contact<
     bodies.dedup();
     let given: Vec<usize> = bodies.iter().copied().filter(|&body| !problem.gives_way(body)).collect();
     let what = match outcome {
-        Outcome::Infeasible if given.is_empty() => "bodies are squeezed with no way out; try a smaller time.step".to_owned(),
+        Outcome::Infeasible if given.is_empty() => {
+            let jammed = squeezed(problem, contacts, SHORT * problem.step);
+            let remedy = if jammed {
+                ", however short the step: they are jammed; place fewer of them, or end before"
+            } else {
+                "; try a smaller time.step"
+            };
+            format!("bodies are squeezed with no way out{remedy}")
+        }
         Outcome::Infeasible => {
             let motion = if given.len() == 1 { "motion" } else { "motions" };
             format!(

@@ -8,15 +8,19 @@ use super::{
     loaded_wall::carrier,
     solver::{
         Outcome,
+        clarabel::solve_by_clarabel,
         lower_bounds::solve_above,
         program::{Answer, Program},
         sharing::Sharing,
     },
 };
-use crate::{parallel::Peers, petsc::Session};
+use crate::{linalg::dot, parallel::Peers, petsc::Session};
 
 /// Smallest violation, in radii, that the unknowns are scaled by: impossible constraints by rounding are none.
 const SMALLEST_SCALE: f64 = 1e-6;
+
+/// Bodies in a row that has hardly a bend would get out of the way only by moves so many times as long as their overlap: they are squeezed.
+const FAR: f64 = 1e3;
 
 /// The body of a contact that gives way, the first if both do.
 pub(crate) fn free_body<const D: usize>(problem: &Problem<D>, contact: &Contact<D>) -> usize {
@@ -39,7 +43,31 @@ pub(crate) fn solve_by<const D: usize>(problem: &Problem<D>, contacts: &[Contact
         return Outcome::Solved { forces: vec![force.max(problem.lower_bound(contact))], iterations: 0, solver: Solver::Formula };
     }
     let bodies = free_bodies(problem, contacts);
-    solve_program(problem, contacts, guess, &unit, program(problem, contacts, &bodies, &unit), solvers)
+    match solve_program(problem, contacts, guess, &unit, program(problem, contacts, &bodies, &unit), solvers) {
+        Outcome::NotConverged if squeezed(problem, contacts, problem.step) => Outcome::Infeasible,
+        outcome => outcome,
+    }
+}
+
+/// Whether all velocities that let nothing overlap in a step of this length move bodies [`FAR`] as far as they would overlap, or there are none.
+///
+/// Weights and velocities wanted have no part in that, and multipliers `z` prove it without being a solution: where `A x + c >= 0`,
+/// `|x| >= -c.z / |A^T z|`.
+pub(crate) fn squeezed<const D: usize>(problem: &Problem<D>, contacts: &[Contact<D>], step: f64) -> bool {
+    let weights: Vec<f64> = problem.weights.iter().map(|weight| if weight.is_finite() { 1.0 } else { f64::INFINITY }).collect();
+    let given = |(body, velocity): (usize, &SVector<f64, D>)| if problem.gives_way(body) { SVector::zeros() } else { *velocity };
+    let velocities: Vec<SVector<f64, D>> = problem.velocities.iter().enumerate().map(given).collect();
+    let alike = Problem { weights: &weights, velocities: &velocities, step, ..*problem };
+    let unit = Unit::new(&alike, contacts);
+    if unit.violation <= 0.0 {
+        return false;
+    }
+    let program = program(&alike, contacts, &free_bodies(&alike, contacts), &unit);
+    let Some(Answer { multipliers, .. }) = solve_by_clarabel(&program) else { return false };
+    let mut unknowns = vec![0.0; program.transposed.m];
+    let multipliers: Vec<f64> = multipliers.iter().map(|multiplier| multiplier.max(0.0)).collect();
+    program.apply_transpose(&multipliers, &mut unknowns);
+    -program.dot(&program.offsets, &multipliers) > FAR * dot(&unknowns, &unknowns).sqrt()
 }
 
 /// The forces at the contacts of an island that all ranks solve together, from a guess. Collective: each rank gives the contacts of

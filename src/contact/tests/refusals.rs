@@ -28,6 +28,39 @@ fn a_body_squeezed_by_two_others_has_no_way_out() {
     assert_eq!((&island["contacts"][0]["partner"]["body"], &island["step"]), (&1.into(), &1.0.into()));
 }
 
+/// A row with a bend of 1e-6, which linear constraints let out by moves of a million overlaps: the methods stop before they get there.
+#[test]
+fn a_row_pushed_against_a_wall_has_no_way_out() {
+    let places = [[4.999999999999998, 2.0], [7.000000000152042, 2.000002627897152], [9.000000000135852, 2.0000135257028515]];
+    let velocities =
+        [[1.0, 0.0], [0.5000130462725249, 0.014108574997118251], [8.111748051042866e-7, 0.13149411546100417], [-0.1464, -0.0582]];
+    let places = places.into_iter().chain([[11.0, 1.9999829385325056]]);
+    let bodies: Vec<([f64; 2], [f64; 2])> = places.zip(velocities).collect();
+    let mut scene = Scene::new(domain([12.0, 4.0], [false, false]), &bodies);
+    (scene.weights, scene.step) = (vec![f64::INFINITY, 22.9, 22.9, 22.9], 0.00078125);
+    let text = refusal(&scene).0;
+    assert!(text.contains("squeezed with no way out by prescribed motion (0)"), "{text}");
+}
+
+/// Rows of disks sheared by images that slide climb over each other, for which there is no room: none at all, or none in so long a step.
+#[test]
+fn jammed_bodies_are_told_from_those_that_want_a_shorter_step() {
+    for (room, remedy) in [(0.0, "however short the step: they are jammed"), (1e-2, "try a smaller time.step")] {
+        let (width, height) = (2.0 + room, 3f64.sqrt() * (1.0 + room / 2.0));
+        let bodies: Vec<([f64; 2], [f64; 2])> = (0..16)
+            .map(|body| {
+                let (along, row) = ((body % 4) as f64, body / 4);
+                ([(along + 0.25 + 0.5 * f64::from(row % 2)) * width, (f64::from(row) + 0.5) * height], [0.0, 0.0])
+            })
+            .collect();
+        let mut scene = Scene::new(domain([4.0 * width, 4.0 * height], [true, true]), &bodies);
+        scene.step = 0.2;
+        scene.domain.axes[1] = Axis::Sheared(LeesEdwards::steady(0.0, 4.0 * height, 0.0).over(scene.step));
+        let text = refusal(&scene).0;
+        assert!(text.contains("squeezed with no way out") && text.contains(remedy), "{text}");
+    }
+}
+
 #[test]
 fn a_body_pressed_against_a_wall_has_no_way_out() {
     let mut scene = Scene::new(domain([20.0, 4.0], [true, false]), &[([5.0, 3.0], [0.0, -0.1]), ([5.0, 1.0], [0.0, 0.0])]);
