@@ -82,6 +82,7 @@ fn scalar_lines(scalar: &ScalarSummary) -> Vec<String> {
     if let Some(uzawa) = &scalar.uzawa {
         lines.push(format!("Uzawa's step         {:.3e}, diverges above about {:.3e}", uzawa.step, uzawa.bound));
     }
+    lines.extend(scalar.warning.iter().map(|warning| format!("warning              {warning}")));
     let (lowest, highest, flux) = inclusions.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0_f64), |(low, high, flux), inclusion| {
         (low.min(inclusion.value), high.max(inclusion.value), flux.max(inclusion.flux.abs()))
     });

@@ -3,7 +3,10 @@
 use nalgebra::SVector;
 use serde::Serialize;
 
-use crate::mechanics::{InclusionState, SolvedScalar, Uzawa};
+use crate::{
+    mechanics::{InclusionState, ScalarSetup, SolvedScalar, Uzawa},
+    surface::highest_order,
+};
 
 /// The scalar problem.
 #[derive(Debug, Clone, Serialize)]
@@ -18,6 +21,9 @@ pub struct ScalarSummary {
     /// Uzawa's iteration, if it solved for the multipliers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uzawa: Option<UzawaSummary>,
+    /// That a gap is thinner than modes resolve, and what would; absent where none is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
     /// The inclusions.
     pub inclusions: Vec<InclusionSummary>,
 }
@@ -65,9 +71,24 @@ impl ScalarSummary {
             energy: solution.energy,
             conduction: setup.gradient.zip(solution.mean_flux).map(|(gradient, flux)| ConductionSummary::new(&gradient, &flux)),
             uzawa: solution.uzawa.map(|Uzawa { step, bound, box_iterations }| UzawaSummary { step, bound, box_iterations }),
+            warning: warning(setup),
             inclusions: solution.inclusions.iter().map(InclusionSummary::new).collect(),
         }
     }
+}
+
+/// What is said of a gap that modes do not resolve.
+fn warning<const D: usize>(setup: &ScalarSetup<D>) -> Option<String> {
+    let thin = setup.thin_gap()?;
+    let what = if setup.gradient.is_some() { "the conductivity" } else { "what flows there" };
+    let (needed, most) = (thin.resolving_modes(), highest_order(D));
+    let remedy = match needed <= most {
+        true => format!("set resolution.modes = {needed}"),
+        false => format!("that would take {needed} modes, and there are at most {most}: choose a wider gap"),
+    };
+    let text =
+        format!("a gap of {:.1e} radii is thinner than {} modes resolve, and {what} may be off by 1 % or more", thin.gap, thin.modes);
+    Some(format!("{text}; {remedy}"))
 }
 
 impl ConductionSummary {

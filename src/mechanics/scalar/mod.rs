@@ -16,6 +16,7 @@ mod placed;
 mod setup;
 mod solution;
 mod system;
+mod thin_gap;
 mod uzawa;
 
 pub use inclusions::Inclusions;
