@@ -5,7 +5,10 @@ use std::{iter::Sum, ops::Mul};
 use nalgebra::{Vector2, Vector3};
 
 use super::{Mesh, Place, Triangle, element::values};
-use crate::linalg::ROUNDING;
+use crate::{
+    error::{Error, Result},
+    linalg::ROUNDING,
+};
 
 /// Triangles by the cells of a lattice that they reach into.
 pub struct Locator<'a> {
@@ -70,6 +73,14 @@ impl<'a> Locator<'a> {
             return Some(disk);
         }
         best.map(|(triangle, l)| Spot::Fluid(triangle, l)).or_else(|| self.any_disk_at(&point))
+    }
+
+    /// As [`find`](Self::find).
+    ///
+    /// # Errors
+    /// [`Error::Diverged`] if no triangle holds the point.
+    pub fn spot(&self, point: &Vector2<f64>) -> Result<Spot<'a>> {
+        self.find(point).ok_or_else(|| Error::Diverged(format!("no triangle of the mesh holds the point {:?}", point.as_slice())))
     }
 
     /// The disk on which the triangle has a node, if it holds the point.

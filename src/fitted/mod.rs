@@ -4,6 +4,7 @@ mod assembly;
 mod boundary;
 mod cloud;
 mod element;
+mod field;
 mod generate;
 mod grading;
 mod inertia;
@@ -22,6 +23,7 @@ mod tests;
 
 pub use cloud::Place;
 pub use element::{Sample, ShapeFunctions};
+pub use field::{MeshScalar, MeshVelocity};
 pub use generate::generate;
 pub use grading::EdgeLengths;
 pub use inertia::{Acceleration, DiskInertia, MeshInertia};

@@ -254,6 +254,7 @@ impl<const D: usize> FixedOperators<D> {
         Ok(Solution {
             bodies,
             fluid,
+            on_mesh: None,
             mean_velocity,
             pressure_gradient,
             walls: WallForces::none(),

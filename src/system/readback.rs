@@ -35,6 +35,7 @@ pub fn solution<const D: usize>(
     let films = || add_films(world, layout, &assembly.films, &film_forces, viscosity, &mut states, &mut walls);
     let lubrication = fixed.setup.interactions.resist().then(films);
     Ok(Solution {
+        on_mesh: None,
         lubrication,
         cost: Cost::default(),
         bond_stress: Row::total_stress(configuration.bonds, &bond_forces, configuration.centers),

@@ -5,6 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use super::cost::Cost;
 use crate::{
     body::{Twist, components, skew},
+    fitted::MeshVelocity,
     interaction::Wrench,
     petsc::Vector,
 };
@@ -109,6 +110,8 @@ pub struct Solution<const D: usize> {
     /// Velocity and pressure over viscosity, as a fluid vector: a disturbance of the background of the drive
     /// ([`Drive::background`](crate::flow::Drive::background)), which is not in it.
     pub fluid: Vector,
+    /// The velocity on the mesh, if it was found on one.
+    pub on_mesh: Option<MeshVelocity>,
     /// Mean of its velocity over the whole box.
     pub mean_velocity: SVector<f64, D>,
     /// Mean gradient of the pressure along periodic axes.

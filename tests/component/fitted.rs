@@ -32,6 +32,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_disk_in_a_closed_box),
         Test::of(a_translated_scene_gives_the_same_answer),
         Test::of(the_grid_holds_the_flow_of_the_mesh),
+        Test::of(probes_near_a_body_have_the_flow_of_the_mesh),
         Test::of(a_mesh_that_moves_gives_what_a_new_one_gives),
         Test::of(two_disks_pass_each_other_in_shear),
     ]
@@ -67,6 +68,28 @@ fn drag_and_viscosity_of_a_square_array_are_of_fourth_order(session: &Session) {
         assert!(order > 3.4, "order {order:.2}: {errors:?}");
     }
     assert!(errors[1][0] < 1e-5 && errors[1][1] < 3e-6, "{errors:?}");
+}
+
+/// In a thin layer around a body that moves, where interpolation from the grid would reach into it: coarse meshes have there what a fine one has.
+fn probes_near_a_body_have_the_flow_of_the_mesh(session: &Session) {
+    let (center, radius) = (Vector2::from(CENTER), (0.3 / PI).sqrt());
+    let probe = |edges: f64| {
+        let (fitted, solution) = solve(session, array(edges, CENTER, Drive::MeanVelocity(Vector2::x()), fixed()));
+        observe::velocity_probe(&fitted, &solution, 40).unwrap()
+    };
+    let fine = probe(24.0);
+    for (edges, promised) in [(4.0, 2e-2), (8.0, 3e-3)] {
+        let coarse = probe(edges);
+        let off = |near: bool| {
+            let errors = fine.points.iter().zip(fine.values.iter().zip(&coarse.values)).filter(|(point, _)| {
+                let gap = ((*point - center).norm() - radius) / radius;
+                (-0.1..0.1).contains(&gap) == near
+            });
+            errors.map(|(_, (one, other))| (one[0] - other[0]).hypot(one[1] - other[1])).fold(0.0, f64::max)
+        };
+        let (near, far) = (off(true), off(false));
+        assert!(near < promised && near < 2.0 * far, "{edges} edges: near the surface {near:.1e}, elsewhere {far:.1e}");
+    }
 }
 
 fn viscosity(fitted: &FittedFlow<2>, solution: &Solution<2>) -> observe::Viscosity {

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    fitted::{Load, Loads, Mesh, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
+    fitted::{Load, Loads, Mesh, MeshVelocity, MovingMesh, StokesFlow, StokesNumbering, StokesProblem, System, generate, loads},
     flow::Drive,
     geometry::{Ball, Domain},
     grid::Grid,
@@ -252,6 +252,7 @@ impl<const D: usize> FittedFlow<D> {
         Ok(Solution {
             lubrication: None,
             bodies: states.map(|((disk, rigid), load)| state(disk, rigid, load, viscosity)).collect(),
+            on_mesh: Some(MeshVelocity::of(problem, flow)),
             fluid: interpolate(&self.session, &self.grid, problem, flow, found.mean_pressure)?,
             mean_velocity: spatial(&found.mean_velocity),
             pressure_gradient: gradient,

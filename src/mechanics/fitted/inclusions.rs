@@ -4,13 +4,10 @@ use std::time::Instant;
 
 use nalgebra::Vector2;
 
-use super::{
-    interpolation::spot,
-    plane::{flat, flat_disk, plane},
-};
+use super::plane::{flat, flat_disk, plane};
 use crate::{
     error::{Error, Result},
-    fitted::{Locator, Mesh, Place, ScalarNumbering, Spot, System, generate, second_order},
+    fitted::{Mesh, MeshScalar, Place, ScalarNumbering, System, generate},
     geometry::Ball,
     grid::{Grid, operators::signed},
     mechanics::{InclusionState, ScalarSetup, ScalarSolution},
@@ -80,27 +77,22 @@ impl<const D: usize> FittedInclusions<D> {
         self.cost.stages.inverse = start.elapsed().as_secs_f64();
         self.cost.krylov = Report { iterations: 1, residual, seconds: self.cost.stages.inverse };
         self.cost.grid_unknowns = numbering.unknowns();
-        self.solution(&numbering.values(&found))
+        self.solution(numbering.values(&found))
     }
 
-    fn solution(&self, values: &[f64]) -> Result<ScalarSolution<D>> {
-        let (integral, fluxes) = self.integrals(values)?;
+    fn solution(&self, nodes: Vec<f64>) -> Result<ScalarSolution<D>> {
+        let (integral, fluxes) = self.integrals(&nodes)?;
+        let on_mesh = MeshScalar { mesh: self.mesh.clone(), nodes };
         let state = |(((ball, _), disk), flux): ((&(Ball<D>, usize), usize), f64)| InclusionState {
             center: self.setup.domain.wrap(ball.center),
             radius: ball.radius,
-            value: self.value(disk, values),
+            value: on_mesh.in_disk(disk),
             flux,
         };
         let inclusions = self.setup.inclusions.iter().zip(0..).zip(fluxes).map(state).collect();
         let energy = -0.5 * self.setup.source * integral;
-        Ok(ScalarSolution { inclusions, field: self.interpolate(values)?, energy, mean_flux: None, uzawa: None })
-    }
-
-    /// The value of an inclusion: that of any node on it.
-    fn value(&self, disk: usize, values: &[f64]) -> f64 {
-        let on_it = Place::Surface(disk);
-        let node = self.mesh.places.iter().position(|place| *place == on_it).expect("a mesh has nodes on every surface");
-        values[node]
+        let field = self.interpolate(&on_mesh)?;
+        Ok(ScalarSolution { inclusions, field, on_mesh: Some(on_mesh), energy, mean_flux: None, uzawa: None })
     }
 
     /// Integral of the scalar outside the inclusions, and net fluxes out of these.
@@ -121,15 +113,10 @@ impl<const D: usize> FittedInclusions<D> {
     }
 
     /// The scalar at this rank's cell centres.
-    fn interpolate(&self, values: &[f64]) -> Result<Vector> {
-        let locator = Locator::new(&self.mesh);
+    fn interpolate(&self, on_mesh: &MeshScalar) -> Result<Vector> {
         let mut field = Vector::new(&self.session, self.grid.local_unknowns(D))?;
-        for (index, value) in self.grid.block(D).indices().zip(field.local_mut()?.iter_mut()) {
-            *value = match spot(&locator, &flat(&self.grid.position(D, signed(index))))? {
-                Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| values[node]),
-                Spot::Disk(disk, _) => self.value(disk, values),
-            };
-        }
+        let centers = self.grid.block(D).indices().map(|index| flat(&self.grid.position(D, signed(index))));
+        field.local_mut()?.copy_from_slice(&on_mesh.at(centers)?);
         Ok(field)
     }
 }

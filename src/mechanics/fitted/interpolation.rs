@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::{
-    error::{Error, Result},
+    error::Result,
     fitted::{Locator, PlaneTwist, Spot, StokesFlow, StokesProblem, first_order, second_order},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
@@ -24,7 +24,7 @@ pub fn interpolate<const D: usize>(
         let range = grid.local_range(field);
         for (index, value) in grid.block(field).indices().zip(&mut local[range]) {
             let position = grid.position(field, signed(index));
-            *value = match spot(&locator, &Vector2::new(position[0], position[1]))? {
+            *value = match locator.spot(&Vector2::new(position[0], position[1]))? {
                 Spot::Fluid(triangle, l) if field == D => first_order(triangle, &l, &flow.pressures) - mean_pressure,
                 Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| flow.velocities[node][field]),
                 Spot::Disk(..) if field == D => 0.0,
@@ -41,13 +41,8 @@ pub fn interpolate<const D: usize>(
 
 /// A velocity given at the nodes of a mesh and by the motions of its disks, at a point.
 pub fn velocity(locator: &Locator, velocities: &[Vector2<f64>], motions: &[PlaneTwist], point: &Vector2<f64>) -> Result<Vector2<f64>> {
-    Ok(match spot(locator, point)? {
+    Ok(match locator.spot(point)? {
         Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| velocities[node]),
         Spot::Disk(disk, arm) => motions[disk].at(&arm),
     })
-}
-
-/// Where a point lies.
-pub fn spot<'a>(locator: &Locator<'a>, point: &Vector2<f64>) -> Result<Spot<'a>> {
-    locator.find(point).ok_or_else(|| Error::Diverged(format!("no triangle of the mesh holds the point {:?}", point.as_slice())))
 }

@@ -15,7 +15,7 @@ impl<const D: usize> Inclusions<D> {
             (Some(gradient), Some(flux)) => 0.5 * self.setup.domain.volume() * gradient.dot(&flux),
             _ => self.energy(&inclusions, &field)?,
         };
-        Ok(ScalarSolution { inclusions, field, energy, mean_flux, uzawa })
+        Ok(ScalarSolution { inclusions, field, on_mesh: None, energy, mean_flux, uzawa })
     }
 
     /// All inclusions with their values and fluxes, on every rank.

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{setup::ScalarSetup, uzawa::Uzawa};
-use crate::{grid::Grid, petsc::Vector, system::Cost};
+use crate::{fitted::MeshScalar, grid::Grid, petsc::Vector, system::Cost};
 
 /// An inclusion and what is found for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +39,8 @@ pub struct ScalarSolution<const D: usize> {
     pub inclusions: Vec<InclusionState<D>>,
     /// The scalar at cell centres, this rank's part; with a mean gradient, what it has besides, which is periodic.
     pub field: Vector,
+    /// The scalar on the mesh, if it was found on one.
+    pub on_mesh: Option<MeshScalar>,
     /// The least value of the functional that it minimises.
     pub energy: f64,
     /// With a mean gradient, the mean of what flows down the scalar, turned round: in an empty box, the gradient itself.

@@ -263,6 +263,7 @@ impl<const D: usize> UnsteadySuspension<D> {
         Ok(Solution {
             bodies: states,
             fluid,
+            on_mesh: None,
             mean_velocity: self.fixed.imposed_mean_velocity(),
             pressure_gradient: SVector::zeros(),
             walls: WallForces::none(),

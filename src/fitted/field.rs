@@ -1,0 +1,72 @@
+//! What was found on a mesh, at any point of the box.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::{Locator, Mesh, Place, PlaneTwist, Spot, StokesFlow, StokesProblem, second_order};
+use crate::error::Result;
+
+/// A velocity that is given at the nodes of a mesh, and by rigid motions in its disks.
+#[derive(Debug, Clone)]
+pub struct MeshVelocity {
+    mesh: Mesh,
+    /// At all nodes, without the background.
+    nodes: Vec<Vector2<f64>>,
+    motions: Vec<PlaneTwist>,
+    background: Matrix2<f64>,
+}
+
+impl MeshVelocity {
+    /// That of a flow.
+    pub fn of(problem: &StokesProblem, flow: &StokesFlow) -> MeshVelocity {
+        let (nodes, motions) = (flow.velocities.clone(), flow.motions.clone());
+        MeshVelocity { mesh: problem.mesh.clone(), nodes, motions, background: problem.background }
+    }
+
+    /// At points, without the background.
+    ///
+    /// # Errors
+    /// No triangle holds a point.
+    pub fn at(&self, points: impl Iterator<Item = Vector2<f64>>) -> Result<Vec<Vector2<f64>>> {
+        let locator = Locator::new(&self.mesh);
+        let velocity = |point: Vector2<f64>| {
+            Ok(match locator.spot(&point)? {
+                Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| self.nodes[node]),
+                Spot::Disk(disk, arm) => self.motions[disk].at(&arm) - self.background * (self.mesh.disks[disk].center + arm),
+            })
+        };
+        points.map(velocity).collect()
+    }
+}
+
+/// A scalar that is given at the nodes of a mesh, and has one value in each of its disks.
+#[derive(Debug, Clone)]
+pub struct MeshScalar {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// At all nodes.
+    pub nodes: Vec<f64>,
+}
+
+impl MeshScalar {
+    /// In a disk: that of any node on it.
+    pub fn in_disk(&self, disk: usize) -> f64 {
+        let on_it = Place::Surface(disk);
+        let node = self.mesh.places.iter().position(|place| *place == on_it).expect("a mesh has nodes on every surface");
+        self.nodes[node]
+    }
+
+    /// At points.
+    ///
+    /// # Errors
+    /// No triangle holds a point.
+    pub fn at(&self, points: impl Iterator<Item = Vector2<f64>>) -> Result<Vec<f64>> {
+        let locator = Locator::new(&self.mesh);
+        let value = |point: Vector2<f64>| {
+            Ok(match locator.spot(&point)? {
+                Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| self.nodes[node]),
+                Spot::Disk(disk, _) => self.in_disk(disk),
+            })
+        };
+        points.map(value).collect()
+    }
+}
