@@ -117,17 +117,7 @@ mod tests {
         let balls: Vec<Ball<2>> = centers.iter().map(|&center| Ball { center: center.into(), radius: 0.5 }).collect();
         let velocities: Vec<Vector2<f64>> = velocities.iter().map(|&velocity| velocity.into()).collect();
         let weights = vec![1.0; balls.len()];
-        GivenPaths::of(&Problem {
-            domain,
-            numbers: None,
-            balls: &balls,
-            weights: &weights,
-            velocities: &velocities,
-            step,
-            lower_bounds: &[],
-            cluster_of: &[],
-            wall: None,
-        })
+        GivenPaths::of(&Problem::new(domain, &balls, &weights, &velocities, step))
     }
 
     #[test]

@@ -31,7 +31,18 @@ pub struct Problem<'a, const D: usize> {
     pub wall: Option<LoadedWall<'a>>,
 }
 
-impl<const D: usize> Problem<'_, D> {
+impl<'a, const D: usize> Problem<'a, D> {
+    /// All bodies, by their places, whose contacts only push, without clusters or a wall under a load.
+    pub fn new(
+        domain: &'a Domain<D>,
+        balls: &'a [Ball<D>],
+        weights: &'a [f64],
+        velocities: &'a [SVector<f64, D>],
+        step: f64,
+    ) -> Problem<'a, D> {
+        Problem { domain, numbers: None, balls, weights, velocities, step, lower_bounds: &[], cluster_of: &[], wall: None }
+    }
+
     /// The number of the body at a place.
     pub(crate) fn number(&self, place: usize) -> usize {
         self.numbers.map_or(place, |numbers| numbers[place])

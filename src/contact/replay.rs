@@ -53,7 +53,7 @@ impl<const D: usize> Island<D> {
     /// The problem to solve again.
     pub fn problem(&self) -> Problem<'_, D> {
         let Island { domain, balls, weights, velocities, step } = self;
-        Problem { domain, numbers: None, balls, weights, velocities, step: *step, lower_bounds: &[], cluster_of: &[], wall: None }
+        Problem::new(domain, balls, weights, velocities, *step)
     }
 }
 

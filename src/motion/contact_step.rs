@@ -57,17 +57,7 @@ impl<const D: usize> ContactStep<'_, D> {
         lower_bounds.dedup_by_key(|bound| bound.contact.identity());
         let Arrangement { domain, balls, weights, .. } = self.arrangement;
         let cluster_of = self.flow.setup().interactions.cluster_of();
-        let problem = Problem {
-            domain,
-            numbers: None,
-            balls,
-            weights,
-            velocities,
-            step: self.step,
-            lower_bounds: &lower_bounds,
-            cluster_of,
-            wall: None,
-        };
+        let problem = Problem { lower_bounds: &lower_bounds, cluster_of, ..Problem::new(domain, balls, weights, velocities, self.step) };
         let mut projection = contact::project(self.session.world(), &problem, self.session.into())?;
         projection.forces.iter_mut().for_each(|active| active.force /= self.mobile_part(&active.contact));
         projection.kkt_report.total_force = projection.forces.iter().map(|active| active.force).sum();

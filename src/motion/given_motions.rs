@@ -83,15 +83,9 @@ impl<const D: usize> GivenStep<'_, D> {
         let balls: Vec<Ball<D>> = bodies.iter().map(|given| given.ball).collect();
         let velocities: Vec<SVector<f64, D>> = bodies.iter().map(|given| given.velocity).collect();
         GivenPaths::of(&Problem {
-            domain: self.domain,
             numbers: Some(&numbers),
-            balls: &balls,
-            weights: &vec![1.0; balls.len()],
-            velocities: &velocities,
-            step: self.step,
-            lower_bounds: &[],
             cluster_of: self.cluster_of,
-            wall: None,
+            ..Problem::new(self.domain, &balls, &vec![1.0; balls.len()], &velocities, self.step)
         })
     }
 

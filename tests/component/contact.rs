@@ -43,8 +43,7 @@ fn channel(size: [f64; 2]) -> Domain<2> {
 
 fn solve(session: &Session, balls: &[Ball<2>], weights: &[f64], velocities: &[Vector2<f64>]) -> Result<Projection<2>> {
     let domain = channel([4.0 * COLUMNS as f64, 40.0]);
-    let problem =
-        Problem { domain: &domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[], cluster_of: &[], wall: None };
+    let problem = Problem::new(&domain, balls, weights, velocities, 1.0);
     project(session.world(), &problem, session.into())
 }
 
@@ -142,7 +141,7 @@ fn crowds_move_alike_on_any_number_of_ranks(session: &Session) {
 
 /// However islands that span ranks are solved, the answer is that of one rank; tells whether ranks solved one together.
 fn assert_moves_alike<const D: usize>(session: &Session, domain: &Domain<D>, (balls, weights, velocities): &RandomBodies<D>) -> bool {
-    let problem = Problem { domain, numbers: None, balls, weights, velocities, step: 1.0, lower_bounds: &[], cluster_of: &[], wall: None };
+    let problem = Problem::new(domain, balls, weights, velocities, 1.0);
     let share = ProblemShare { problem, regions: &Regions::new(domain, 1), spanning: Spanning::Gathered };
     let alone = project_share(Peers::Alone, &share, &Memory::default()).unwrap().projection;
     assert!(alone.kkt_report.active > 3, "{:?}", alone.kkt_report);

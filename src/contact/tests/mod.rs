@@ -40,17 +40,7 @@ impl<const D: usize> Scene<D> {
     }
 
     fn problem(&self) -> Problem<'_, D> {
-        Problem {
-            domain: &self.domain,
-            numbers: None,
-            balls: &self.balls,
-            weights: &self.weights,
-            velocities: &self.velocities,
-            step: self.step,
-            lower_bounds: &[],
-            cluster_of: &[],
-            wall: None,
-        }
+        Problem::new(&self.domain, &self.balls, &self.weights, &self.velocities, self.step)
     }
 
     fn solve(&self) -> Result<Projection<D>> {

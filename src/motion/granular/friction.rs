@@ -54,17 +54,7 @@ impl<const D: usize> Granular<D> {
         let inertias: Vec<f64> = self.bodies.iter().map(|body| body.inertia).collect();
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
         let spins: Vec<SMatrix<f64, D, D>> = moves.iter().map(|twist| twist.spin).collect();
-        let problem = Problem {
-            domain: &self.domain,
-            numbers: Some(&numbers),
-            balls: &balls,
-            weights: &weights,
-            velocities: &velocities,
-            step,
-            lower_bounds: &[],
-            cluster_of: &[],
-            wall: None,
-        };
+        let problem = Problem { numbers: Some(&numbers), ..Problem::new(&self.domain, &balls, &weights, &velocities, step) };
         let share = ProblemShare { problem, regions: &self.regions, spanning: (&self.session).into() };
         let last = state.contact_history.iter().map(|contact| (contact.identity(), contact.tangential)).collect();
         let (tolerance, last) = (self.friction_tolerance(), &last);

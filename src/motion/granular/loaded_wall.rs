@@ -70,17 +70,8 @@ impl<const D: usize> Granular<D> {
     fn press(&self, state: &State<D>, pressed: &PressedWall, all: &AllBodies<D>, step: GranularStep) -> Result<Pressed<D>> {
         let wall = LoadedWall { axis: pressed.load.axis, place: all.balls.len() - 1, fixed: &pressed.load.fixed };
         let (weights, regions) = (all.masses.iter().map(|[mass, _]| mass / step.push).collect::<Vec<f64>>(), Regions::new(&self.domain, 1));
-        let problem = Problem {
-            domain: &self.domain,
-            numbers: None,
-            balls: &all.balls,
-            weights: &weights,
-            velocities: &velocities(&all.twists),
-            step: step.length,
-            lower_bounds: &[],
-            cluster_of: &[],
-            wall: Some(wall),
-        };
+        let velocities = velocities(&all.twists);
+        let problem = Problem { wall: Some(wall), ..Problem::new(&self.domain, &all.balls, &weights, &velocities, step.length) };
         let share = ProblemShare { problem, regions: &regions, spanning: (&self.session).into() };
         let history = state.whole_contact_history(self.session.world());
         let found = if self.interactions.friction().is_some() {

@@ -254,15 +254,10 @@ impl<const D: usize> Granular<D> {
         let velocities: Vec<SVector<f64, D>> = moves.iter().map(|twist| twist.velocity).collect();
         let numbers = state.numbers();
         let problem = Problem {
-            domain: &self.domain,
             numbers: Some(&numbers),
-            balls: &balls,
-            weights: &weights,
-            velocities: &velocities,
-            step,
             lower_bounds,
             cluster_of: self.interactions.cluster_of(),
-            wall: None,
+            ..Problem::new(&self.domain, &balls, &weights, &velocities, step)
         };
         let found = contact::project_share(
             peers,

@@ -125,15 +125,8 @@ impl<const D: usize> Rubbing<D> {
         let bodies = &self.bodies;
         let weights: Vec<f64> = bodies.masses.iter().map(|[mass, _]| mass / self.step.push).collect();
         let problem = Problem {
-            domain: &granular.domain,
-            numbers: None,
-            balls: &bodies.balls,
-            weights: &weights,
-            velocities: &bodies.held,
-            step: self.step.length,
-            lower_bounds: &[],
             cluster_of: granular.interactions.cluster_of(),
-            wall: None,
+            ..Problem::new(&granular.domain, &bodies.balls, &weights, &bodies.held, self.step.length)
         };
         let bonded: BTreeSet<[usize; 2]> = self.rows.iter().filter_map(joined).collect();
         let rubs = |contact: &Contact<D>| {
