@@ -12,7 +12,6 @@ mod motions;
 mod numbers;
 mod oscillation;
 mod probe;
-mod progress;
 mod quantities;
 mod report;
 mod report_page;
@@ -46,9 +45,8 @@ pub use frames::{
     StoredFrame, read_frames,
 };
 pub use motions::{ForceSummary, MeanSpeed, SettlingSummary, VelocitySummary};
-pub use numbers::{bar, lengths_of_steps, number, plain, vector};
+pub use numbers::{bar, lengths_of_steps, number, plain, vector, with_bar};
 pub use oscillation::{Modulus, OscillationSummary, measured_stress};
-pub use progress::{Progress, TimeProgress};
 pub use quantities::{QuantitySummary, SteadyMean};
 pub use report::{report, sparkline};
 pub use report_page::{Breakdown, Facts, Image, Page, Standing, Table, bodies_table};

@@ -14,6 +14,7 @@ mod origin;
 mod output;
 mod outputs;
 mod page;
+mod progress;
 mod quantities;
 mod quantity;
 #[expect(clippy::module_inception, reason = "the run is what the module is named after")]
@@ -39,6 +40,7 @@ pub use motion_view::{ContactTotals, MotionView};
 pub use options::Options;
 pub use output::{BeforeStep, Output};
 pub use outputs::outputs;
+pub use progress::{Progress, TimeProgress};
 pub use quantities::columns;
 pub use quantity::{Finite, Quantity, QuantityValue};
 pub use run::{Run, complete};

@@ -1,11 +1,11 @@
 //! A scalar around inclusions: solve, write, report.
 
-use super::{finished::Finished, folder::RunFolder, options::Options, outputs::log::RunLog, page::PageOfRun};
+use super::{finished::Finished, folder::RunFolder, options::Options, outputs::log::RunLog, page::PageOfRun, progress::Progress};
 use crate::{
     error::Result,
     mechanics::{FittedInclusions, Inclusions, ScalarSetup, SolvedScalar},
     observe,
-    output::{self, LOG, Progress, REPORT, Summary},
+    output::{self, LOG, REPORT, Summary},
     parallel::World,
     petsc::{Session, Stage, enter},
     scene::{ConstraintMethod, Scene},

@@ -5,7 +5,7 @@ use std::{collections::HashMap, rc::Rc};
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{
-    pair_constraint::RigidVector,
+    pair_constraints::RigidVector,
     surfaces::{BodyOperator, Inverse},
 };
 use crate::{

@@ -1,6 +1,6 @@
 //! The Krylov solver with its vectors, kept from solve to solve.
 
-use super::{bodies::Bodies, extrapolation::InitialGuess, fixed_operators::FixedOperators, network::iterated};
+use super::{bodies::Bodies, extrapolation::InitialGuess, fixed_operators::FixedOperators, pair_constraints::iterated};
 use crate::{
     constraint::Given,
     error::Result,

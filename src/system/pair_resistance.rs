@@ -5,9 +5,7 @@ use nalgebra::SVector;
 use super::{
     bodies::Bodies,
     fixed_operators::FixedOperators,
-    network::Resistances,
-    pair_constraint::{ConstraintSide, PairConstraint, RigidVector},
-    pair_constraints::{ConstrainedBodies, Medium, PairConstraints},
+    pair_constraints::{ConstrainedBodies, ConstraintSide, Medium, PairConstraint, PairConstraints, Resistances, RigidVector},
 };
 use crate::{
     body::{RigidFunctional, Row, components},

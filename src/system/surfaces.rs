@@ -15,7 +15,10 @@ use std::{ops::Range, rc::Rc};
 
 use nalgebra::{DMatrix, DVectorView, DVectorViewMut};
 
-use super::{mean_flow_constraint::MeanFlowConstraint, pair_constraint::RigidVector, pair_constraints::PairConstraints};
+use super::{
+    mean_flow_constraint::MeanFlowConstraint,
+    pair_constraints::{PairConstraints, RigidVector},
+};
 use crate::{
     constraint::{Blocks, FreeInverse, Given, PairPreconditioner},
     error::Result,

@@ -2,8 +2,8 @@
 
 use crate::{
     error::Result,
-    output::{Progress, Summary, TimeProgress},
-    run::{Output, View},
+    output::Summary,
+    run::{Output, Progress, TimeProgress, View},
 };
 
 impl<const D: usize> Output<D> for Progress {

@@ -11,10 +11,13 @@
 //! rank that holds its first body. With what bodies alone, or near pairs, resist these rows have a sparse approximation, the [`Network`],
 //! factored once a solve.
 
-use super::{
-    network::{Network, NetworkParts, Resistances},
-    pair_constraint::{ConstraintSide, PairConstraint},
-};
+mod network;
+mod pair_constraint;
+
+pub use network::{Resistances, iterated};
+pub use pair_constraint::{ConstraintSide, PairConstraint, RigidVector};
+
+use self::network::{Network, NetworkParts};
 use crate::{
     constraint::{Entries, EntriesMut, MultiplierLayout, Places, Pores},
     error::Result,

@@ -7,7 +7,7 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{MeanViscosity, numbers::with_bar};
+use crate::output::{MeanViscosity, with_bar};
 
 /// A progress line; silent when the standard error is no terminal, and on every rank but the first.
 pub struct Progress {
