@@ -10,80 +10,28 @@ use std::{
     path::Path,
 };
 
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
 const SIBLINGS: [&str; 3] = ["constraint", "contact", "flow"];
 
 /// Segments of a path, from the root of the library on.
 type Segments = Vec<String>;
 
-/// A word, a sign, or what stands between brackets, which the first of them tells; literals and comments are left out.
+/// A word, a sign, or what stands between brackets; literals are left out.
 enum Token {
     Word(String),
     Sign(char),
-    Group(char, Vec<Token>),
+    Group(Delimiter, Vec<Token>),
 }
 
-/// The tokens of a text up to the bracket that closes it.
-fn tokens(text: &mut iter::Peekable<impl Iterator<Item = char> + Clone>) -> Vec<Token> {
-    let mut found = Vec::new();
-    while let Some(sign) = text.next() {
-        match sign {
-            '/' if text.peek() == Some(&'/') => text.by_ref().take_while(|&sign| sign != '\n').for_each(drop),
-            '"' => skip_string(text),
-            '\'' => skip_character(text),
-            '(' | '[' | '{' => found.push(Token::Group(sign, tokens(text))),
-            ')' | ']' | '}' => break,
-            _ if sign.is_alphanumeric() || sign == '_' => {
-                let mut word = String::from(sign);
-                while let Some(sign) = text.next_if(|sign| sign.is_alphanumeric() || *sign == '_') {
-                    word.push(sign);
-                }
-                match word.as_str() {
-                    "r" if matches!(text.peek(), Some('"' | '#')) => skip_raw_string(text),
-                    _ => found.push(Token::Word(word)),
-                }
-            }
-            _ if sign.is_whitespace() => {}
-            _ => found.push(Token::Sign(sign)),
-        }
-    }
-    found
-}
-
-fn skip_string(text: &mut impl Iterator<Item = char>) {
-    while let Some(sign) = text.next() {
-        match sign {
-            '"' => return,
-            '\\' => drop(text.next()),
-            _ => {}
-        }
-    }
-}
-
-fn skip_raw_string(text: &mut impl Iterator<Item = char>) {
-    let hashes = text.by_ref().take_while(|&sign| sign == '#').count();
-    let mut closing = None;
-    for sign in text {
-        closing = match (sign, closing) {
-            ('"', _) => Some(0),
-            ('#', Some(seen)) => Some(seen + 1),
-            _ => None,
-        };
-        if closing == Some(hashes) {
-            return;
-        }
-    }
-}
-
-/// A character; a lifetime has no second quote.
-fn skip_character(text: &mut iter::Peekable<impl Iterator<Item = char> + Clone>) {
-    match text.clone().nth(1) {
-        _ if text.peek() == Some(&'\\') => {
-            text.nth(1);
-            text.take_while(|&sign| sign != '\'').for_each(drop);
-        }
-        Some('\'') => drop(text.nth(1)),
-        _ => {}
-    }
+fn tokens(text: TokenStream) -> Vec<Token> {
+    let token = |tree| match tree {
+        TokenTree::Ident(word) => Some(Token::Word(word.to_string())),
+        TokenTree::Punct(sign) => Some(Token::Sign(sign.as_char())),
+        TokenTree::Group(group) => Some(Token::Group(group.delimiter(), tokens(group.stream()))),
+        TokenTree::Literal(_) => None,
+    };
+    text.into_iter().filter_map(token).collect()
 }
 
 /// What a file says.
@@ -210,14 +158,14 @@ fn next_segment(tokens: &[Token]) -> Option<String> {
 
 /// Whether it is `[cfg(test)]`.
 fn is_test(attribute: Option<&Token>) -> bool {
-    let Some(Token::Group('[', inside)) = attribute else { return false };
-    let [cfg, Token::Group('(', kind)] = &inside[..] else { return false };
+    let Some(Token::Group(Delimiter::Bracket, inside)) = attribute else { return false };
+    let [cfg, Token::Group(Delimiter::Parenthesis, kind)] = &inside[..] else { return false };
     is_word(cfg, "cfg") && matches!(&kind[..], [test] if is_word(test, "test"))
 }
 
 /// The semicolon or the braces that end an item.
 fn end_of_item(tokens: &[Token], start: usize) -> usize {
-    let brace = |token: &Token| matches!(token, Token::Group('{', _));
+    let brace = |token: &Token| matches!(token, Token::Group(Delimiter::Brace, _));
     let import = tokens[start..].iter().take(3).any(|token| is_word(token, "use"));
     let ends = |token: &Token| is_sign(token, ';') || !import && brace(token);
     tokens[start..].iter().position(ends).map_or(tokens.len(), |length| start + length)
@@ -247,7 +195,7 @@ impl Library {
                 let module = if stem == "mod" || stem == "lib" { module.to_vec() } else { inside };
                 let file = path.strip_prefix(concat!(env!("CARGO_MANIFEST_DIR"), "/src")).unwrap().to_str().unwrap().to_owned();
                 let mut source = Source { file, ..Source::default() };
-                source.read(&module, &tokens(&mut fs::read_to_string(&path).unwrap().chars().peekable()), true);
+                source.read(&module, &tokens(fs::read_to_string(&path).unwrap().parse().unwrap()), true);
                 self.0.insert(module, source);
             }
         }
