@@ -32,7 +32,7 @@ const ROUNDS: usize = 20;
 const NEAR: f64 = 0.02;
 
 /// Where the rounds stand on a rank.
-struct Rounds<'a, const D: usize> {
+struct ProjectionRounds<'a, const D: usize> {
     peers: Peers<'a>,
     share: &'a ProblemShare<'a, D>,
     friction: &'a FrictionShare<'a, D>,
@@ -66,7 +66,7 @@ pub fn project_with_friction<const D: usize>(
     friction: &FrictionShare<D>,
     memory: &Memory<D>,
 ) -> Result<FrictionProjection<D>> {
-    let mut rounds = Rounds::new(peers, share, friction);
+    let mut rounds = ProjectionRounds::new(peers, share, friction);
     rounds.begin(memory);
     rounds.solve();
     let none = Memory::default();
@@ -81,11 +81,11 @@ pub fn project_with_friction<const D: usize>(
     Ok(rounds.finish(found))
 }
 
-impl<'a, const D: usize> Rounds<'a, D> {
+impl<'a, const D: usize> ProjectionRounds<'a, D> {
     fn new(peers: Peers<'a>, share: &'a ProblemShare<'a, D>, friction: &'a FrictionShare<'a, D>) -> Self {
         let (changes, cost) = (vec![Twist::zero(); friction.spins.len()], Cost::default());
         let (contacts, wrenches, fresh) = (BTreeMap::new(), BTreeMap::new(), BTreeSet::new());
-        Rounds { peers, share, friction, contacts, wrenches, fresh, changes, cost }
+        ProjectionRounds { peers, share, friction, contacts, wrenches, fresh, changes, cost }
     }
 
     /// Takes the contacts that pressed in the last step, with their forces, and those that come near; none if none pressed.

@@ -114,8 +114,9 @@ fn of_loaded_wall(summary: &Summary) -> Vec<Answer> {
 /// How chains and cells are shaped, and how much inertia bodies have that move.
 fn of_objects(summary: &Summary) -> Vec<Answer> {
     let shapes = of_quantities(summary, &[("end-to-end distance", "end_to_end"), ("cell inclination", "inclination")]);
-    let moves =
-        |(_, column): &(&str, &str)| summary.quantities.get(*column).and_then(QuantitySummary::told).is_some_and(|value| value > 0.0);
+    let moves = |(_, column): &(&str, &str)| {
+        summary.quantities.get(*column).and_then(QuantitySummary::representative).is_some_and(|value| value > 0.0)
+    };
     let lines: Vec<_> = [("Reynolds number", "reynolds"), ("Stokes number", "stokes")].into_iter().filter(moves).collect();
     let of_fastest = |Answer { name, value }| Answer::new(name, value + " (fastest body)");
     shapes.into_iter().chain(of_quantities(summary, &lines).into_iter().map(of_fastest)).collect()

@@ -39,8 +39,8 @@ impl QuantitySummary {
         QuantitySummary { unit: unit.to_owned(), meaning: meaning.to_owned(), last, mean: None }
     }
 
-    /// What is told of it first: its mean, or else its last value.
-    pub fn told(&self) -> Option<f64> {
+    /// Its mean, or else its last value.
+    pub fn representative(&self) -> Option<f64> {
         self.mean.map(|mean| mean.value).or(self.last)
     }
 }

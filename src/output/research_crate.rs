@@ -55,7 +55,7 @@ pub struct RunRecord<'a> {
 }
 
 /// A file of the folder.
-struct Part {
+struct CrateFile {
     name: String,
     bytes: u64,
     checksum: [u64; WORDS],
@@ -70,7 +70,7 @@ pub fn write_crate(world: &World, folder: &Path, run: &RunRecord) -> Result<()> 
     let names: Vec<String> = world.broadcast(0, &names).lines().map(str::to_owned).collect();
     let mut parts = parts(world, folder, names)?;
     world.on_first_rank(|| {
-        parts.push(Part {
+        parts.push(CrateFile {
             name: SUMMARY.to_owned(),
             bytes: run.text.len() as u64,
             checksum: words(Sha256::digest(run.text.as_bytes()).as_slice()),
@@ -90,7 +90,7 @@ fn names(folder: &Path, inputs: &[String]) -> Result<Vec<String>> {
 }
 
 /// Sizes and checksums, known to all ranks.
-fn parts(world: &World, folder: &Path, names: Vec<String>) -> Result<Vec<Part>> {
+fn parts(world: &World, folder: &Path, names: Vec<String>) -> Result<Vec<CrateFile>> {
     let own = |place: usize| place % world.size() == world.rank();
     let measure = |(place, name): (usize, &String)| {
         let path = folder.join(name);
@@ -99,7 +99,7 @@ fn parts(world: &World, folder: &Path, names: Vec<String>) -> Result<Vec<Part>> 
     let numbers = world.agree(names.iter().enumerate().map(measure).collect::<Result<Vec<_>>>())?;
     let all = sums_of_all(world, &numbers.concat());
     let part =
-        |(name, numbers): (String, &[u64])| Part { name, bytes: numbers[0], checksum: std::array::from_fn(|word| numbers[word + 1]) };
+        |(name, numbers): (String, &[u64])| CrateFile { name, bytes: numbers[0], checksum: std::array::from_fn(|word| numbers[word + 1]) };
     Ok(names.into_iter().zip(all.chunks_exact(WORDS + 1)).map(part).collect())
 }
 
@@ -122,7 +122,7 @@ fn words(digest: &[u8]) -> [u64; WORDS] {
     std::array::from_fn(|word| digest[8 * word..8 * word + 8].iter().fold(0, |number, &byte| number << 8 | u64::from(byte)))
 }
 
-fn metadata(run: &RunRecord, parts: &[Part]) -> Value {
+fn metadata(run: &RunRecord, parts: &[CrateFile]) -> Value {
     let ids = |input: bool| -> Vec<Value> {
         parts.iter().filter(|part| run.inputs.contains(&part.name) == input).map(|part| json!({ "@id": part.name })).collect()
     };
@@ -160,7 +160,7 @@ fn machine(ranks: usize) -> Value {
     json!({ "@id": "#machine", "@type": "Place", "name": name, "description": description })
 }
 
-fn entity(part: &Part) -> Value {
+fn entity(part: &CrateFile) -> Value {
     let what = KNOWN_FILES.iter().find(|(name, _)| *name == part.name).map_or("a file of the run", |(_, what)| what);
     let checksum: String = part.checksum.iter().map(|word| format!("{word:016x}")).collect();
     json!({ "@id": part.name, "@type": "File", "name": part.name, "description": what, "encodingFormat": format_of(&part.name),

@@ -45,6 +45,11 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         check_inertia(scene)?;
     }
     protocol::check_factor(scene)?;
+    check_drive(scene)
+}
+
+/// Refuses what a drive cannot be together with.
+fn check_drive(scene: &Scene) -> Result<()> {
     match &scene.flow.drive {
         Some(Drive::ShearRate(protocol)) => protocol::check_shear(scene, protocol),
         Some(Drive::ShearedBox(protocol)) => protocol::check_sheared_box(scene, protocol),

@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Sources in cells.
-struct Cells<const D: usize> {
+struct CellBlocks<const D: usize> {
     /// The cells, as unknowns.
     unknowns: Vec<usize>,
     /// Their centres, from that of the inclusion.
@@ -65,10 +65,10 @@ pub fn blocks<const D: usize>(
         alone: Box::new(Laplacian(edges)),
     };
     let CellGraph { unknowns, offsets, .. } = cells;
-    InclusionBlocks { body: Box::new(Cells { unknowns, offsets, volume, places: Default::default(), compliance }), inclusion }
+    InclusionBlocks { body: Box::new(CellBlocks { unknowns, offsets, volume, places: Default::default(), compliance }), inclusion }
 }
 
-impl<const D: usize> BodyBlocks<D> for Cells<D> {
+impl<const D: usize> BodyBlocks<D> for CellBlocks<D> {
     fn count(&self) -> usize {
         self.unknowns.len()
     }

@@ -26,23 +26,6 @@ pub fn velocities<const D: usize>() -> Vec<Quantity<D>> {
             Some(sum[0])
         }),
     ];
-    let mean = "along axes without walls: mean velocity over the whole box, bodies included";
-    let of_flow = |axis: usize| {
-        let name = AXES[axis];
-        [
-            Quantity::new(format!("mean_velocity_{name}"), "length/time", mean, move |view| mean_velocity(view, axis)),
-            Quantity::new(
-                format!("flow_rate_{name}"),
-                "volume/time; 2D: area/time",
-                "along axes without walls: mean velocity times the cross-section of the box",
-                move |view| {
-                    let domain = view.motion?.domain();
-                    let section = domain.volume() / domain.size[axis];
-                    Some(mean_velocity(view, axis)? * section)
-                },
-            ),
-        ]
-    };
     let gradient = Quantity::new(
         "pressure_gradient",
         "pressure/length",
@@ -52,7 +35,25 @@ pub fn velocities<const D: usize>() -> Vec<Quantity<D>> {
             view.motion.map(|_| flow.solution.pressure_gradient)
         },
     );
-    of_bodies.into_iter().chain((0..D).flat_map(of_flow)).chain([gradient]).collect()
+    of_bodies.into_iter().chain((0..D).flat_map(velocities_along)).chain([gradient]).collect()
+}
+
+/// What flows along an axis.
+fn velocities_along<const D: usize>(axis: usize) -> [Quantity<D>; 2] {
+    let (name, mean) = (AXES[axis], "along axes without walls: mean velocity over the whole box, bodies included");
+    [
+        Quantity::new(format!("mean_velocity_{name}"), "length/time", mean, move |view| mean_velocity(view, axis)),
+        Quantity::new(
+            format!("flow_rate_{name}"),
+            "volume/time; 2D: area/time",
+            "along axes without walls: mean velocity times the cross-section of the box",
+            move |view| {
+                let domain = view.motion?.domain();
+                let section = domain.volume() / domain.size[axis];
+                Some(mean_velocity(view, axis)? * section)
+            },
+        ),
+    ]
 }
 
 /// The mean over free bodies of the velocity of the image in the box; nothing without any. Collective.

@@ -64,19 +64,24 @@ impl SweepQuantity {
                 Some(direction) => Ok(SweepQuantity::Settling(direction)),
                 None => refuse("belongs to free bodies under gravity or a force; choose another"),
             },
-            _ => match word.split_once('.') {
-                Some(("series" | "last", _)) if scene.time.is_none() => refuse("an instant has no series; choose a key of summary.json"),
-                Some(("series", column)) => Ok(SweepQuantity::Column(column.to_owned())),
-                Some(("last", column)) => Ok(SweepQuantity::Last(column.to_owned())),
-                Some(_) => Ok(SweepQuantity::Entry(word.to_owned())),
-                None if columns().iter().any(|column| column.name == word) && scene.time.is_some() => {
-                    Ok(SweepQuantity::Column(word.to_owned()))
-                }
-                None => refuse(
-                    "must be viscosity, drag, settling, a column as series.kinetic_energy, its last entry as last.kinetic_energy, or a key of \
-                     summary.json as flow.mean_velocity.0",
-                ),
-            },
+            _ => SweepQuantity::of_files(word, scene).or_else(refuse),
+        }
+    }
+
+    /// A column of the series or a key of the summary of a scene's runs, or why there is none.
+    fn of_files(word: &str, scene: &Scene) -> std::result::Result<SweepQuantity, &'static str> {
+        match word.split_once('.') {
+            Some(("series" | "last", _)) if scene.time.is_none() => Err("an instant has no series; choose a key of summary.json"),
+            Some(("series", column)) => Ok(SweepQuantity::Column(column.to_owned())),
+            Some(("last", column)) => Ok(SweepQuantity::Last(column.to_owned())),
+            Some(_) => Ok(SweepQuantity::Entry(word.to_owned())),
+            None if columns().iter().any(|column| column.name == word) && scene.time.is_some() => {
+                Ok(SweepQuantity::Column(word.to_owned()))
+            }
+            None => Err(
+                "must be viscosity, drag, settling, a column as series.kinetic_energy, its last entry as last.kinetic_energy, or a key of \
+                 summary.json as flow.mean_velocity.0",
+            ),
         }
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector2;
 
 use super::super::context::{Context, Wanted};
-use super::table::{Entry, ObjectRow, Objects, opened, vector};
+use super::table::{NamedNumber, ObjectRow, Objects, opened, vector};
 use super::turns::AngleColumns;
 use crate::{
     interaction::Measure,
@@ -45,7 +45,7 @@ const fn names<const D: usize>() -> [&'static str; 3] {
     if D == 2 { ["area", "perimeter", "reduced_area"] } else { ["volume", "surface", "reduced_volume"] }
 }
 
-fn entries<const D: usize>(geometry: &CellGeometry<D>) -> Vec<Entry> {
+fn entries<const D: usize>(geometry: &CellGeometry<D>) -> Vec<NamedNumber> {
     let CellGeometry { center, enclosed, boundary, reduced, deformation, inclination } = geometry;
     let named = names::<D>().into_iter().zip([*enclosed, *boundary, *reduced]);
     let mut entries = vector("", center);

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::super::context::{Context, Wanted};
-use super::table::{Entry, ObjectRow, Objects, opened, vector};
+use super::table::{NamedNumber, ObjectRow, Objects, opened, vector};
 use super::turns::AngleColumns;
 use crate::{
     observe::{ChainGeometry, Form, Tied, tied},
@@ -36,7 +36,7 @@ impl Chains {
         self.chains.iter().filter(|chain| chain.form == Form::Line)
     }
 
-    fn entries<const D: usize>(&self, geometry: &ChainGeometry<D>) -> Vec<Entry> {
+    fn entries<const D: usize>(&self, geometry: &ChainGeometry<D>) -> Vec<NamedNumber> {
         let mut entries = vector("", &geometry.center);
         if self.lines().next().is_some() {
             let ends = geometry.end_to_end.unwrap_or_else(|| SVector::repeat(f64::NAN));

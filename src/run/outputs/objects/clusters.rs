@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector};
 
 use super::super::context::{Context, Wanted};
-use super::table::{Entry, ObjectRow, Objects, opened, vector};
+use super::table::{NamedNumber, ObjectRow, Objects, opened, vector};
 use super::turns::AngleColumns;
 use crate::{
     interaction::Cluster,
@@ -72,7 +72,7 @@ impl<const D: usize> Clusters<D> {
 }
 
 impl<const D: usize> OneCluster<D> {
-    fn entries(&self, (center, rotation): &Pose<D>) -> Vec<Entry> {
+    fn entries(&self, (center, rotation): &Pose<D>) -> Vec<NamedNumber> {
         let mut entries = vector("", &(center - rotation * self.offset));
         if D == 3 {
             let turn = Rotation3::from_matrix_unchecked(Matrix3::from_fn(|row, column| rotation[(row, column)])).scaled_axis();

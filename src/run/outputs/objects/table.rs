@@ -17,7 +17,7 @@ use crate::{
 };
 
 /// A number with the name of its column; one that is not finite leaves its cell empty.
-pub type Entry = (Cow<'static, str>, f64);
+pub type NamedNumber = (Cow<'static, str>, f64);
 
 /// Objects of one kind. All functions are collective.
 pub trait Objects<const D: usize> {
@@ -42,13 +42,13 @@ pub struct ObjectRow {
     /// Its number.
     pub number: usize,
     /// What was measured.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<NamedNumber>,
     /// The angle that is followed, within a turn, if it has one.
     pub angle: Option<f64>,
 }
 
 /// Names of the components of a vector with the components; those of a place have the names of the axes.
-pub fn vector<const D: usize>(name: &str, vector: &SVector<f64, D>) -> Vec<Entry> {
+pub fn vector<const D: usize>(name: &str, vector: &SVector<f64, D>) -> Vec<NamedNumber> {
     let named = |axis: &str| if name.is_empty() { axis.to_owned() } else { format!("{name}_{axis}") };
     AXES.into_iter().zip(vector).map(|(axis, &component)| (named(axis).into(), component)).collect()
 }

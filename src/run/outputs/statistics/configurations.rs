@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// What a rank finds with the two files that say it, names and contents.
-type Found<S> = Option<(S, [(&'static str, Vec<u8>); 2])>;
+type FoundStatistics<S> = Option<(S, [(&'static str, Vec<u8>); 2])>;
 
 /// Part of a run without a steady viscosity that is left out.
 const START_UP: f64 = 0.5;
@@ -88,7 +88,7 @@ pub fn measured_by_first_rank<const D: usize, S>(
     motion: &MotionView<D>,
     folder: &Path,
     names: [&'static str; 2],
-    measure: impl FnOnce(&Configurations) -> Result<Found<S>>,
+    measure: impl FnOnce(&Configurations) -> Result<FoundStatistics<S>>,
 ) -> Result<(Option<S>, Vec<String>)> {
     let begin = steady_from(view.world, view.shear().as_ref(), motion.state().time, view.history.mean());
     let found = view.world.on_first_rank(|| measure(&Configurations::since(begin, folder)?))?;
