@@ -19,14 +19,22 @@ pub struct Placed<const D: usize> {
 }
 
 impl<const D: usize> Placed<D> {
-    /// It as a ball.
+    /// The smallest ball about its centre that holds it.
     pub fn ball(&self) -> Ball<D> {
-        Ball { center: self.center, radius: self.surface.modes.radius() }
+        let [_, radius] = self.surface.modes.bounds();
+        Ball { center: self.center, radius }
     }
 
     /// Whether a point lies outside.
     pub fn outside(&self, point: &SVector<f64, D>) -> bool {
-        (point - self.center).norm_squared() > self.surface.modes.radius().powi(2)
+        let offset = point - self.center;
+        self.outside_test()(offset.norm_squared(), &|| offset)
+    }
+
+    /// What tells of a point whether it lies outside, by the square of its distance from the centre, or where that does not tell by its offset.
+    pub fn outside_test(&self) -> impl Fn(f64, &dyn Fn() -> SVector<f64, D>) -> bool {
+        let (modes, [inner, outer]) = (&self.surface.modes, self.surface.modes.bounds().map(|radius| radius * radius));
+        move |square, offset| square > outer || square > inner && modes.outside(offset().as_slice())
     }
 }
 
@@ -44,20 +52,27 @@ pub struct Surrounded<'a, const D: usize> {
     pub neighbours: &'a [Neighbour<D>],
 }
 
-/// Where a body and its neighbours were when its blocks were assembled; while nothing of it changes, the blocks hold.
-#[derive(Debug, Clone, PartialEq)]
+/// Where a body and its neighbours were, with which surfaces, when its blocks were assembled; while nothing of it changes, the blocks hold.
+#[derive(Clone)]
 pub struct Situation<const D: usize> {
     /// The body.
     pub body: usize,
-    centers: Vec<(usize, SVector<f64, D>)>,
+    placed: Vec<(usize, Placed<D>)>,
+}
+
+impl<const D: usize> PartialEq for Situation<D> {
+    fn eq(&self, other: &Situation<D>) -> bool {
+        let same = |one: &Placed<D>, two: &Placed<D>| one.center == two.center && Rc::ptr_eq(&one.surface, &two.surface);
+        let mut pairs = self.placed.iter().zip(&other.placed);
+        self.placed.len() == other.placed.len() && pairs.all(|((one, here), (two, there))| one == two && same(here, there))
+    }
 }
 
 impl<const D: usize> Situation<D> {
     /// That of a body.
     pub fn of(surrounded: &Surrounded<D>) -> Situation<D> {
-        let own = std::iter::once((surrounded.body, surrounded.placed.center));
-        let others = surrounded.neighbours.iter().map(|(other, image)| (*other, image.center));
-        Situation { body: surrounded.body, centers: own.chain(others).collect() }
+        let own = std::iter::once((surrounded.body, surrounded.placed.clone()));
+        Situation { body: surrounded.body, placed: own.chain(surrounded.neighbours.iter().cloned()).collect() }
     }
 }
 

@@ -16,6 +16,8 @@ use crate::{
     geometry::Domain,
     grid::Grid,
     petsc::{Session, Stage, enter},
+    scene::ConstraintMethod,
+    surface::Shape,
     system::{
         Conditions,
         assembled_system::AssembledSystem,
@@ -74,6 +76,27 @@ impl<const D: usize> Suspension<D> {
     pub fn with_method(session: &Session, setup: Setup<D>, method: Rc<FlowMethod<D>>) -> Result<Suspension<D>> {
         let mut suspension = Suspension::new(session, setup)?;
         suspension.fixed.method = method;
+        Ok(suspension)
+    }
+
+    /// As [`new`](Self::new), with shapes of one's own of some bodies, by their numbers, in place of balls: at an instant, by the method `sharp`, without interactions.
+    ///
+    /// # Errors
+    /// The same, or the setup has what only balls do.
+    pub fn with_shapes(session: &Session, mut setup: Setup<D>, shapes: &[(usize, &dyn Shape<D>)]) -> Result<Suspension<D>> {
+        let only_flow =
+            setup.inertia.is_none() && setup.constraint == ConstraintMethod::Sharp && setup.interactions.iter().next().is_none();
+        if !only_flow {
+            return Err(Error::refused(
+                "bodies that are no balls are known at an instant, to method.constraint = \"sharp\", without inertia or interactions",
+            ));
+        }
+        for (body, shape) in shapes {
+            setup.bodies[*body].body.ball.radius = shape.bounding_radius();
+        }
+        let mut suspension = Suspension::new(session, setup)?;
+        let FixedOperators { setup, body_types, .. } = &mut suspension.fixed;
+        shapes.iter().for_each(|(body, shape)| body_types.give_shape(*body, *shape, setup));
         Ok(suspension)
     }
 

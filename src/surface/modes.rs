@@ -1,12 +1,16 @@
-//! What multiplier modes on the surface of a ball are.
+//! What multiplier modes on the surface of a body are.
 
 use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::rotation::Degree;
+use super::{quadrature::Quadrature, rotation::Degree};
 
 /// Multiplier modes on the surface of a ball: tractions `F` on `gamma`, linear in real coefficients, and the jump functions they cause.
+///
+/// A body of another shape has modes of its own: directions of the unit circle or sphere are then parameters of its surface ([`point`](Self::point)), means over
+/// `gamma` are means over directions, and `F` is force per directions, times the mean of `gamma` per directions. What is said of balls below holds then as it
+/// stands, with the [`radius`](Self::radius) of a ball of equal area.
 ///
 /// Rigid modes come first: the translations `F = e_i`, then the rotations, `F = tau` (counter-clockwise) in 2D and
 /// `F = sqrt(3/2) e_k x n` in 3D. Every mode has `mean |F|^2 = 1` and is orthogonal to the others; the constant
@@ -15,8 +19,28 @@ pub trait Modes {
     /// Space dimension `D`, 2 or 3.
     fn dimension(&self) -> usize;
 
-    /// Radius `a` of the ball.
+    /// Radius `a` of the ball, or of a ball of equal area (2D: length).
     fn radius(&self) -> f64;
+
+    /// Radii of the largest ball about the centre inside the body, and of the smallest that holds it.
+    fn bounds(&self) -> [f64; 2] {
+        [self.radius(); 2]
+    }
+
+    /// Whether a point at an offset from the centre lies outside the body, of those between the two [`bounds`](Self::bounds).
+    fn outside(&self, offset: &[f64]) -> bool {
+        offset.iter().map(|along| along * along).sum::<f64>() > self.radius().powi(2)
+    }
+
+    /// Writes in `out` the point of the surface of a direction, from the centre.
+    fn point(&self, direction: &[f64], out: &mut [f64]) {
+        out.iter_mut().zip(direction).for_each(|(out, along)| *out = along * self.radius());
+    }
+
+    /// Directions of quadrature points for modes up to an order, that lie about as finely as a grid of this spacing.
+    fn quadrature(&self, order: usize, spacing: f64) -> Quadrature {
+        super::quadrature(self.dimension(), self.radius() / spacing, order)
+    }
 
     /// Number of modes, rigid ones included.
     fn count(&self) -> usize;

@@ -26,7 +26,9 @@ pub trait Shape<const D: usize> {
     fn modes(&self, order: usize) -> Box<dyn Modes>;
 
     /// The surface with its modes, sampled about as finely as a grid of this spacing.
-    fn surface(&self, order: usize, spacing: f64) -> SurfaceTable<D>;
+    fn surface(&self, order: usize, spacing: f64) -> SurfaceTable<D> {
+        SurfaceTable::of(self.modes(order), order, spacing)
+    }
 }
 
 impl<const D: usize> Shape<D> for Ball<D> {
@@ -53,10 +55,6 @@ impl<const D: usize> Shape<D> for Ball<D> {
 
     fn modes(&self, order: usize) -> Box<dyn Modes> {
         modes(D, self.radius, order)
-    }
-
-    fn surface(&self, order: usize, spacing: f64) -> SurfaceTable<D> {
-        SurfaceTable::new(self.radius, order, spacing)
     }
 }
 

@@ -1,16 +1,18 @@
-//! A surface with its modes tabulated at quadrature points: all that bodies of equal size share.
+//! A surface with its modes tabulated at quadrature points: all that bodies of equal shape and size share.
 
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 use super::{Modes, Quadrature, ScalarModes, WithSpinUp, modes, quadrature};
 
-/// The surface of a ball: modes, quadrature points, and the tractions of the modes there.
+/// The surface of a body: modes, quadrature points, and the tractions of the modes there.
 ///
 /// Surface vectors are stored as `D` numbers a point, scalars as one.
 pub struct SurfaceTable<const D: usize> {
     /// The modes, for unit viscosity.
     pub modes: Box<dyn Modes>,
     quadrature: Quadrature,
+    /// The quadrature points, from the centre.
+    offsets: Vec<SVector<f64, D>>,
     /// Projects values at the points (columns, one a component) on the modes (rows): weight times traction.
     projector: DMatrix<f64>,
     /// First moment of each mode's traction.
@@ -33,8 +35,15 @@ impl<const D: usize> SurfaceTable<D> {
         SurfaceTable::of(Box::new(ScalarModes::<D>::new(radius, order)), order, spacing)
     }
 
-    fn of(modes: Box<dyn Modes>, order: usize, spacing: f64) -> SurfaceTable<D> {
-        let quadrature = quadrature(D, modes.radius() / spacing, order);
+    /// The surface that has these modes up to `order`, of a body of any shape, sampled about as finely as the grid.
+    pub fn of(modes: Box<dyn Modes>, order: usize, spacing: f64) -> SurfaceTable<D> {
+        let quadrature = modes.quadrature(order, spacing);
+        let offset = |direction: &[f64]| {
+            let mut point = SVector::<f64, D>::zeros();
+            modes.point(direction, point.as_mut_slice());
+            point
+        };
+        let offsets = quadrature.directions.chunks(D).map(offset).collect();
         let (count, components) = (modes.count(), modes.components());
         let mut projector = DMatrix::zeros(count, quadrature.weights.len() * components);
         let mut tractions = vec![0.0; count * components];
@@ -44,7 +53,7 @@ impl<const D: usize> SurfaceTable<D> {
                 (0..components).for_each(|i| projector[(mode, point * components + i)] = weight * traction[i]);
             }
         }
-        let mut table = SurfaceTable { modes, quadrature, projector, first_moments: Vec::new() };
+        let mut table = SurfaceTable { modes, quadrature, offsets, projector, first_moments: Vec::new() };
         table.first_moments = (0..count).map(|mode| table.integrate_first_moment(mode)).collect();
         table
     }
@@ -61,7 +70,7 @@ impl<const D: usize> SurfaceTable<D> {
 
     /// The quadrature points, from the centre.
     pub fn offsets(&self) -> impl Iterator<Item = SVector<f64, D>> + '_ {
-        self.quadrature.directions.chunks(D).map(|direction| SVector::from_column_slice(direction) * self.modes.radius())
+        self.offsets.iter().copied()
     }
 
     /// Adds to `out[mode]` the mean over the surface of `traction_mode . values`.

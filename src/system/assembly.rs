@@ -63,7 +63,8 @@ impl<const D: usize> Assembly<D> {
         let Assembled { layout, blocks, new: assembled } =
             Assembled::new(&fixed.grid, &fixed.stokes.vector()?, method, &surrounded(&placed, &neighbours), earlier)?;
         let bodies = Bodies::new(&fixed.setup, &fixed.grid, &fixed.body_types, placed.clone(), neighbourhood.clone(), layout);
-        let pairs = if method.on_surfaces() && fixed.setup.inertia.is_none() { Some(bodies.near_pairs(session)?) } else { None };
+        let known_pairs = method.on_surfaces() && fixed.setup.inertia.is_none() && fixed.body_types.balls;
+        let pairs = if known_pairs { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);
         let (undisturbed, damping) = (Vec::new(), Vec::new());

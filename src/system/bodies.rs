@@ -29,7 +29,9 @@ const FEW: usize = 3;
 
 /// What bodies of equal size share, kept for the whole run.
 pub struct BodyType<const D: usize> {
+    /// Of the smallest ball that holds it.
     radius: f64,
+    volume: f64,
     /// Velocities in unbounded fluid that unit multipliers of rigid modes cause.
     mobilities: RigidVector,
     order: usize,
@@ -62,6 +64,9 @@ pub struct BodyTypes<const D: usize> {
     kind_of: Vec<usize>,
     pair_tables: PairTables<D>,
     spacing: f64,
+    mean_spacing: f64,
+    /// Whether all bodies are balls.
+    pub balls: bool,
 }
 
 /// The bodies in their places, shared out over the ranks.
@@ -78,16 +83,22 @@ pub struct Bodies<'a, const D: usize> {
 }
 
 impl<const D: usize> BodyType<D> {
-    fn new(radius: f64, order: usize, density: f64, setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
+    fn ball(radius: f64, order: usize, density: f64, setup: &Setup<D>, grid: &Grid<D>) -> BodyType<D> {
+        let ball = Ball { center: SVector::zeros(), radius };
         let surface = match setup.inertia {
             Some(_) => SurfaceTable::with_spin_up(radius, order, grid.mean_spacing()),
-            None => SurfaceTable::new(radius, order, grid.mean_spacing()),
+            None => ball.surface(order, grid.mean_spacing()),
         };
+        BodyType::new(&ball, surface, order, density, setup)
+    }
+
+    fn new(shape: &dyn Shape<D>, surface: SurfaceTable<D>, order: usize, density: f64, setup: &Setup<D>) -> BodyType<D> {
+        let (radius, volume) = (shape.bounding_radius(), shape.volume());
         let empty = Rc::new(DMatrix::zeros(0, 0));
         let (surface, inverses) = (Rc::new(surface), [empty.clone(), empty]);
         let tangential = if setup.inertia.is_some() { surface.tangential() } else { DMatrix::zeros(0, 0) };
         let (mobilities, inertia, force_scale) = (RigidVector::zeros(), RigidVector::zeros(), RigidVector::zeros());
-        let mut kind = BodyType { radius, order, density, surface, tangential, mobilities, inertia, force_scale, inverses };
+        let mut kind = BodyType { radius, volume, order, density, surface, tangential, mobilities, inertia, force_scale, inverses };
         kind.answer_to(setup, 0.0);
         kind
     }
@@ -132,13 +143,21 @@ impl<const D: usize> BodyTypes<D> {
             let (radius, order) = (suspended.body.ball.radius, suspended.order);
             let density = setup.inertia.as_ref().map_or(0.0, |inertia| inertia.bodies[body]);
             *known.entry((radius.to_bits(), order, density.to_bits())).or_insert_with(|| {
-                body_types.push(BodyType::new(radius, order, density, setup, grid));
+                body_types.push(BodyType::ball(radius, order, density, setup, grid));
                 body_types.len() - 1
             })
         };
         let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
         let given = if setup.interactions.turn() || ties_near(setup) { Given::Motions } else { Given::Forces };
-        BodyTypes { body_types, kind_of, pair_tables: PairTables::new(given), spacing: grid.spacing().max() }
+        let (pair_tables, spacing, mean_spacing) = (PairTables::new(given), grid.spacing().max(), grid.mean_spacing());
+        BodyTypes { body_types, kind_of, pair_tables, spacing, mean_spacing, balls: true }
+    }
+
+    /// Gives a body a shape.
+    pub fn give_shape(&mut self, body: usize, shape: &dyn Shape<D>, setup: &Setup<D>) {
+        let BodyType { order, density, .. } = *self.of(body);
+        (self.kind_of[body], self.balls) = (self.body_types.len(), false);
+        self.body_types.push(BodyType::new(shape, shape.surface(order, self.mean_spacing), order, density, setup));
     }
 
     /// Turns to the operator with a shift.
@@ -365,7 +384,7 @@ impl<'a, const D: usize> Bodies<'a, D> {
 
     /// What a body force on the fluid alone would do to the fluid that the body takes the place of.
     fn force_on_fluid_inside(&self, body: usize) -> SVector<f64, D> {
-        self.setup.drive.force_on_fluid_alone() * self.ball(body).volume()
+        self.setup.drive.force_on_fluid_alone() * self.body_types.of(body).volume
     }
 
     /// The states of all bodies, on every rank, from velocities on surfaces and multipliers (this rank's parts); collective.

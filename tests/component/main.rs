@@ -64,6 +64,7 @@ mod packing;
 mod pressed;
 mod protocols;
 mod scalar;
+mod shapes;
 mod sheared;
 mod solvers;
 mod steps;
@@ -176,6 +177,7 @@ fn main() {
         motion::tests(),
         protocols::tests(),
         drives::tests(),
+        shapes::tests(),
         sheared::tests(),
         vorticity::tests(),
         contact::tests(),

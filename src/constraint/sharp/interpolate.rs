@@ -131,7 +131,7 @@ impl<'a, const D: usize> Interpolation<'a, D> {
             });
             jumps.evaluate(nodes, neighbour, core);
         }
-        let (radius, reach) = (neighbour.surface.modes.radius(), reach(self.grid));
+        let (radius, reach) = (neighbour.ball().radius, reach(self.grid));
         let near = |offset: &SVector<f64, D>| {
             let separation = self.placed.center + offset - neighbour.center;
             separation.norm_squared() < (radius + reach * (D as f64).sqrt()).powi(2) && separation.amax() < radius + reach

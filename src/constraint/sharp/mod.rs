@@ -151,7 +151,7 @@ pub fn assemble<const D: usize>(
 ) -> AssembledBody<D> {
     let unknowns = Unknowns::of(placed.surface.modes.as_ref());
     let (fields, components) = (unknowns.fields::<D>(), unknowns.components::<D>());
-    let reach = placed.surface.modes.radius() + reach(grid);
+    let reach = placed.ball().radius + reach(grid);
     let nodes: Vec<JumpNodes<D>> = (0..fields).map(|field| JumpNodes::around(grid, field, placed, reach)).collect();
     let Workspace { jumps, of_neighbour, interpolated, values, .. } = workspace;
     let (jumps, of_neighbour) = (&mut jumps[..fields], &mut of_neighbour[..components]);

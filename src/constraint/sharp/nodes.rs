@@ -49,9 +49,11 @@ impl<const D: usize> JumpNodes<D> {
         });
         let slope = grid.slope();
         let squares = squares(&coordinates, slope, &placed.center);
-        let limit = placed.surface.modes.radius().powi(2);
-        let outside = squares.iter().map(|&square| square > limit).collect();
-        JumpNodes { unknowns, field, lattice, indices, coordinates, slope, squares, outside }
+        let mut nodes = JumpNodes { unknowns, field, lattice, indices, coordinates, slope, squares, outside: Vec::new() };
+        let is_outside = placed.outside_test();
+        let outside = |(place, &square): (usize, &f64)| is_outside(square, &|| nodes.position(place) - placed.center);
+        nodes.outside = nodes.squares.iter().enumerate().map(outside).collect();
+        nodes
     }
 
     /// Where the node at a place is.
@@ -64,7 +66,7 @@ impl<const D: usize> JumpNodes<D> {
 
     /// Visits the places of the nodes inside another body.
     pub fn inside(&self, other: &Placed<D>, mut visit: impl FnMut(usize)) {
-        let radius = other.surface.modes.radius();
+        let (radius, is_outside) = (other.ball().radius, other.outside_test());
         let ranges: [(usize, usize); D] = std::array::from_fn(|axis| {
             let (coordinates, mut center, mut radius) = (&self.coordinates[axis], other.center[axis], radius);
             if axis == 0 {
@@ -80,7 +82,8 @@ impl<const D: usize> JumpNodes<D> {
                 place += (start[axis] + rest % extent[axis]) * strides[axis];
                 rest /= extent[axis];
             }
-            if !other.outside(&self.position(place)) {
+            let offset = self.position(place) - other.center;
+            if !is_outside(offset.norm_squared(), &|| offset) {
                 visit(place);
             }
         }

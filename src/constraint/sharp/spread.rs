@@ -97,14 +97,14 @@ impl<'a, const D: usize> Spreading<'a, D> {
 
     /// Squares of distances from the centre at which rows may reach across the surface.
     fn near(&self) -> std::ops::RangeInclusive<f64> {
-        let (radius, reach) = (self.placed.surface.modes.radius(), row_reach(self.grid));
-        (radius - reach).max(0.0).powi(2)..=(radius + reach).powi(2)
+        let ([inner, outer], reach) = (self.placed.surface.modes.bounds(), row_reach(self.grid));
+        (inner - reach).max(0.0).powi(2)..=(outer + reach).powi(2)
     }
 
     /// Whether a stencil at a wall may reach the body.
     fn is_near_wall(&self) -> bool {
         let (domain, center) = (self.grid.domain(), &self.placed.center);
-        let reach = self.placed.surface.modes.radius() + self.grid.spacing().max();
+        let reach = self.placed.ball().radius + self.grid.spacing().max();
         (0..D).any(|axis| !domain.periodic(axis) && (center[axis] <= reach || center[axis] >= domain.size[axis] - reach))
     }
 
