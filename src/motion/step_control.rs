@@ -102,10 +102,12 @@ impl StepControl {
             Step::Fixed(step) => to_multiple(step, time, last_step).min(tried),
             Step::Auto => {
                 let longest =
-                    self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(time, last_step) } else { self.time.end });
+                    self.longest.min(stable).min(tried).min(if last_step > 0.0 { self.grown(time, last_step) } else { f64::INFINITY });
                 let limits = motions.iter().map(|motion| reach(motion, self.time.travel * motion.radius));
                 let accurate = limits.fold(accurate, f64::min).max(self.to_whole_cells(time, last_step));
-                self.whole(time, peers.min(accurate.min(longest)), last_step)
+                // at rest nothing limits a first one but the end
+                let longest = peers.min(accurate.min(longest));
+                self.whole(time, if longest.is_finite() { longest } else { self.time.end }, last_step)
             }
         };
         let natural = self.up_to_jump(time, natural);
@@ -225,8 +227,8 @@ impl StepControl {
     pub fn may_end(&self, time: f64, last_step: f64) -> bool {
         let longest = match self.time.step {
             Step::Fixed(step) => step,
-            // as long as a first one
-            Step::Auto if !self.by_twos && self.jumped(time, last_step) => self.time.end,
+            // nothing is known of a first one, and one after a jump is as long
+            Step::Auto if last_step == 0.0 || !self.by_twos && self.jumped(time, last_step) => self.time.end,
             Step::Auto => self.grown(time, last_step),
         };
         let step = longest.max(self.whole(time, longest, last_step));

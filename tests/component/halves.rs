@@ -16,6 +16,7 @@ use crate::{
 pub fn tests() -> Vec<Test> {
     vec![
         Test::of(the_only_step_after_a_jump_of_the_rate_may_be_cut_short),
+        Test::of(a_run_that_ends_within_its_first_step_goes_on_as_if_it_had_not),
         Test::of(a_resumed_run_solves_as_exactly_as_the_rate_of_the_instant_asks),
         Test::of(what_follows_a_step_that_the_end_cuts_short_is_not_kept),
     ]
@@ -60,6 +61,14 @@ fn missed(session: &Session, rate: &str, step: &str, [split, end]: [f64; 2]) -> 
 fn the_only_step_after_a_jump_of_the_rate_may_be_cut_short(session: &Session) {
     for split in [0.79, 0.8, 0.81] {
         let missed = missed(session, JUMPS, "\"auto\"", [split, 0.9]);
+        assert!(missed < 1e-10, "{split}: {missed:e}");
+    }
+}
+
+/// The first step to be kept was the short one.
+fn a_run_that_ends_within_its_first_step_goes_on_as_if_it_had_not(session: &Session) {
+    for split in [0.005, 0.02] {
+        let missed = missed(session, "1.0", "\"auto\"", [split, 0.3]);
         assert!(missed < 1e-10, "{split}: {missed:e}");
     }
 }

@@ -76,7 +76,7 @@ impl<const D: usize> Output<D> for CheckpointFile {
     fn keep(&mut self, before: &BeforeStep<D>) -> Result<()> {
         let due = before.due || self.last.elapsed().as_secs_f64() >= self.interval;
         let due = before.world.max(f64::from(due)) > 0.0;
-        if due && before.simulation.on_the_way() && before.simulation.state().steps > 0 {
+        if due && before.simulation.on_the_way() {
             self.store(before)?;
             self.last = Instant::now();
         }
