@@ -79,24 +79,24 @@ impl<const D: usize> Suspension<D> {
         Ok(suspension)
     }
 
-    /// As [`new`](Self::new), with shapes of one's own of some bodies, by their numbers, in place of balls: at an instant, by the method `sharp`, without interactions.
+    /// As [`new`](Self::new), with shapes of one's own of some bodies, by their numbers, in place of balls: by the method `sharp`, without interactions.
     ///
     /// # Errors
     /// The same, or the setup has what only balls do.
-    pub fn with_shapes(session: &Session, mut setup: Setup<D>, shapes: &[(usize, &dyn Shape<D>)]) -> Result<Suspension<D>> {
+    pub fn with_shapes(session: &Session, mut setup: Setup<D>, shapes: Vec<(usize, Rc<dyn Shape<D>>)>) -> Result<Suspension<D>> {
         let only_flow =
             setup.inertia.is_none() && setup.constraint == ConstraintMethod::Sharp && setup.interactions.iter().next().is_none();
         if !only_flow {
             return Err(Error::refused(
-                "bodies that are no balls are known at an instant, to method.constraint = \"sharp\", without inertia or interactions",
+                "bodies that are no balls are known to method.constraint = \"sharp\", without inertia or interactions",
             ));
         }
-        for (body, shape) in shapes {
+        for (body, shape) in &shapes {
             setup.bodies[*body].body.ball.radius = shape.bounding_radius();
         }
         let mut suspension = Suspension::new(session, setup)?;
         let FixedOperators { setup, body_types, .. } = &mut suspension.fixed;
-        shapes.iter().for_each(|(body, shape)| body_types.give_shape(*body, *shape, setup));
+        shapes.into_iter().for_each(|(body, shape)| body_types.give_shape(body, shape, setup));
         Ok(suspension)
     }
 
@@ -187,6 +187,8 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
     fn solve_at(&mut self, configuration: &Configuration<D>, monitor: ResidualMonitor) -> Result<Solution<D>> {
         let start = Instant::now();
         self.turn_to(self.fixed.setup.domain.clone().at(configuration.time))?;
+        let FixedOperators { setup, body_types, .. } = &mut self.fixed;
+        body_types.turn_to(configuration.rotations, setup);
         let fixed = &self.fixed;
         let mut ready = AssembledSystem::new(fixed, self.assembly.take(), self.workspace.take(), self.recent.last(), configuration)?;
         self.cost.multiplier_unknowns = ready.bodies.layout.unknowns();

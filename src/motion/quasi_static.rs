@@ -13,7 +13,7 @@
 
 use std::time::Instant;
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::{
     clusters::ClusterMotions,
@@ -229,8 +229,10 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<(Solution<D>, Vec<Twist<D>>)> {
         let KnownInstant { placed, centers, .. } = instant;
         let bonds = self.bonds(instant, flow_rows.step);
+        let rotations: Vec<SMatrix<f64, D, D>> = placed.state.bodies.iter().map(|body| body.rotation).collect();
         let configuration = Configuration {
             centers,
+            rotations: &rotations,
             time: placed.state.time,
             contacts: flow_rows.rows,
             contact_guess: flow_rows.guess,

@@ -1,6 +1,6 @@
 //! One configuration of bodies, whose flow is to be found.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 use super::resolved::Setup;
 use crate::{body::Row, interaction::Wrench};
@@ -10,6 +10,8 @@ use crate::{body::Row, interaction::Wrench};
 pub struct Configuration<'a, const D: usize> {
     /// Centres of all bodies.
     pub centers: &'a [SVector<f64, D>],
+    /// How bodies are turned from how they started; none if empty.
+    pub rotations: &'a [SMatrix<f64, D, D>],
     /// The time, to which the last solution is extrapolated.
     pub time: f64,
     /// Contacts that are held: their forces are unknowns.
@@ -28,6 +30,7 @@ impl<'a, const D: usize> Configuration<'a, D> {
     /// That in which bodies are at these centres and none touches, in the box of a setup as it is.
     pub fn at_rest(setup: &Setup<D>, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Self {
         let time = setup.domain.time();
-        Configuration { centers, time, contacts: &[], contact_guess: &[], bonds, pushes: &[], tolerance: setup.tolerance.at_an_instant() }
+        let tolerance = setup.tolerance.at_an_instant();
+        Configuration { centers, rotations: &[], time, contacts: &[], contact_guess: &[], bonds, pushes: &[], tolerance }
     }
 }

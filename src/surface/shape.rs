@@ -1,6 +1,8 @@
 //! Shapes of rigid bodies: all that the rest of the program asks of one.
 
-use nalgebra::SVector;
+use std::rc::Rc;
+
+use nalgebra::{SMatrix, SVector};
 
 use super::{Modes, SurfaceTable, modes};
 use crate::geometry::Ball;
@@ -21,6 +23,9 @@ pub trait Shape<const D: usize> {
 
     /// The point of the surface that is farthest along a unit vector: where it is touched by a plane normal to that.
     fn contact_point(&self, direction: &SVector<f64, D>) -> SVector<f64, D>;
+
+    /// The shape turned about its centre by a rotation.
+    fn turned(&self, rotation: &SMatrix<f64, D, D>) -> Rc<dyn Shape<D>>;
 
     /// Multiplier modes up to an order, and the jumps that they cause, at unit viscosity.
     fn modes(&self, order: usize) -> Box<dyn Modes>;
@@ -51,6 +56,10 @@ impl<const D: usize> Shape<D> for Ball<D> {
 
     fn contact_point(&self, direction: &SVector<f64, D>) -> SVector<f64, D> {
         direction * self.radius
+    }
+
+    fn turned(&self, _: &SMatrix<f64, D, D>) -> Rc<dyn Shape<D>> {
+        Rc::new(*self)
     }
 
     fn modes(&self, order: usize) -> Box<dyn Modes> {

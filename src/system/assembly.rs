@@ -49,7 +49,9 @@ impl<const D: usize> Assembly<D> {
     /// The assembly of bodies with the given centres; of an earlier one all that did not move is used again.
     pub fn of(fixed: &FixedOperators<D>, centers: &[SVector<f64, D>], earlier: Option<Assembly<D>>) -> Result<Assembly<D>> {
         match earlier {
-            Some(assembly) if assembly.centers == centers => Ok(Assembly { assembled: 0, ..assembly }),
+            Some(assembly) if assembly.centers == centers && fixed.body_types.placed_so(&assembly.placed) => {
+                Ok(Assembly { assembled: 0, ..assembly })
+            }
             earlier => Assembly::anew(fixed, centers, earlier.map(|earlier| earlier.blocks)),
         }
     }
@@ -63,7 +65,7 @@ impl<const D: usize> Assembly<D> {
         let Assembled { layout, blocks, new: assembled } =
             Assembled::new(&fixed.grid, &fixed.stokes.vector()?, method, &surrounded(&placed, &neighbours), earlier)?;
         let bodies = Bodies::new(&fixed.setup, &fixed.grid, &fixed.body_types, placed.clone(), neighbourhood.clone(), layout);
-        let known_pairs = method.on_surfaces() && fixed.setup.inertia.is_none() && fixed.body_types.balls;
+        let known_pairs = method.on_surfaces() && fixed.setup.inertia.is_none() && fixed.body_types.are_balls();
         let pairs = if known_pairs { Some(bodies.near_pairs(session)?) } else { None };
         let (films, medium) = (balanced(session.world(), bodies.films())?, medium(fixed, &bodies, centers, pairs.as_ref()));
         let (centers, layout) = (centers.to_vec(), bodies.layout);

@@ -65,8 +65,15 @@ pub struct BodyTypes<const D: usize> {
     pair_tables: PairTables<D>,
     spacing: f64,
     mean_spacing: f64,
-    /// Whether all bodies are balls.
-    pub balls: bool,
+    /// Bodies that are no balls.
+    shaped: Vec<ShapedBody<D>>,
+}
+
+/// A body that is no ball: its shape as it started, and how it is turned now.
+struct ShapedBody<const D: usize> {
+    body: usize,
+    shape: Rc<dyn Shape<D>>,
+    rotation: SMatrix<f64, D, D>,
 }
 
 /// The bodies in their places, shared out over the ranks.
@@ -150,14 +157,44 @@ impl<const D: usize> BodyTypes<D> {
         let kind_of = setup.bodies.iter().enumerate().map(kind_of).collect();
         let given = if setup.interactions.turn() || ties_near(setup) { Given::Motions } else { Given::Forces };
         let (pair_tables, spacing, mean_spacing) = (PairTables::new(given), grid.spacing().max(), grid.mean_spacing());
-        BodyTypes { body_types, kind_of, pair_tables, spacing, mean_spacing, balls: true }
+        BodyTypes { body_types, kind_of, pair_tables, spacing, mean_spacing, shaped: Vec::new() }
     }
 
-    /// Gives a body a shape.
-    pub fn give_shape(&mut self, body: usize, shape: &dyn Shape<D>, setup: &Setup<D>) {
+    /// Whether all bodies are balls.
+    pub fn are_balls(&self) -> bool {
+        self.shaped.is_empty()
+    }
+
+    /// Gives a body a shape, which starts unturned.
+    pub fn give_shape(&mut self, body: usize, shape: Rc<dyn Shape<D>>, setup: &Setup<D>) {
+        let kind = self.shaped_type(body, shape.as_ref(), setup);
+        self.kind_of[body] = self.body_types.len();
+        self.body_types.push(kind);
+        self.shaped.push(ShapedBody { body, shape, rotation: SMatrix::identity() });
+    }
+
+    /// Turns bodies that are no balls by these rotations of all bodies from how they started.
+    pub fn turn_to(&mut self, rotations: &[SMatrix<f64, D, D>], setup: &Setup<D>) {
+        let mut shaped = std::mem::take(&mut self.shaped);
+        for ShapedBody { body, shape, rotation } in &mut shaped {
+            let turned = rotations.get(*body).filter(|turned| **turned != *rotation);
+            if let Some(turned) = turned {
+                *rotation = *turned;
+                let (kind, place) = (self.shaped_type(*body, shape.turned(turned).as_ref(), setup), self.kind_of[*body]);
+                self.body_types[place] = kind;
+            }
+        }
+        self.shaped = shaped;
+    }
+
+    fn shaped_type(&self, body: usize, shape: &dyn Shape<D>, setup: &Setup<D>) -> BodyType<D> {
         let BodyType { order, density, .. } = *self.of(body);
-        (self.kind_of[body], self.balls) = (self.body_types.len(), false);
-        self.body_types.push(BodyType::new(shape, shape.surface(order, self.mean_spacing), order, density, setup));
+        BodyType::new(shape, shape.surface(order, self.mean_spacing), order, density, setup)
+    }
+
+    /// Whether bodies have the surfaces with which they were placed.
+    pub fn placed_so(&self, placed: &[Placed<D>]) -> bool {
+        placed.iter().enumerate().all(|(body, placed)| Rc::ptr_eq(&placed.surface, self.surface(body)))
     }
 
     /// Turns to the operator with a shift.

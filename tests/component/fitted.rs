@@ -258,8 +258,16 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let mut fitted = FittedFlow::new(session, setup()).unwrap();
     for (step, y) in [0.8, 0.78, 0.75, 0.7, 0.6, 0.5, 0.3, 0.2].into_iter().enumerate() {
         let centers = [Vector2::new(0.4, y)];
-        let moment =
-            Configuration { centers: &centers, time: 0.0, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance: 1e-6 };
+        let moment = Configuration {
+            centers: &centers,
+            rotations: &[],
+            time: 0.0,
+            contacts: &[],
+            contact_guess: &[],
+            bonds: &[],
+            pushes: &[],
+            tolerance: 1e-6,
+        };
         let moved = fitted.solve_at(&moment, &mut |_, _| {}).unwrap();
         let fresh = FittedFlow::new(session, setup()).unwrap().solve_at(&moment, &mut |_, _| {}).unwrap();
         let (one, other) = (moved.bodies[0].twist, fresh.bodies[0].twist);
@@ -274,6 +282,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let past = Some(ExtrapolationHistory { time: past.time, last, earlier: None });
     resumed.restore(History { past, ..History::default() }).unwrap();
     let moment = Configuration {
+        rotations: &[],
         centers: &[Vector2::new(0.4, 0.19)],
         time: 0.0,
         contacts: &[],

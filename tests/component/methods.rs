@@ -257,6 +257,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
         let centers: Vec<_> = moved.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
         let moment = turbid::setup::Configuration {
+            rotations: &[],
             centers: &centers,
             time: 0.0,
             contacts: &[],

@@ -1,16 +1,17 @@
 //! Shapes of one's own: smooth plane curves, by analytic functions that a scene does not know.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, rc::Rc};
 
-use nalgebra::{Complex, DMatrix, SVector, Vector2};
+use nalgebra::{Complex, DMatrix, Matrix2, SVector, Vector2};
 use turbid::{
     body::Motion,
     flow::{Drive, InverseMethod},
     geometry::{Axis, LeesEdwards},
     interaction::Wrench,
     mechanics::Suspension,
+    motion::Simulation,
     petsc::Session,
-    scene::ConstraintMethod,
+    scene::{ConstraintMethod, Scheme, Step, TimeSection},
     setup::Setup,
     surface::{Modes, Shape},
     system::BodyState,
@@ -28,6 +29,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_square_with_round_corners_has_the_drag_of_finite_elements),
         Test::of(a_free_ellipse_moves_as_its_drag_says),
         Test::of(an_ellipse_turns_as_jeffery_says),
+        Test::of(an_ellipse_tumbles_on_jefferys_orbit),
         Test::of(an_ellipse_at_a_wall_and_beside_a_disk_needs_no_torque_to_mirror),
         Test::of(what_only_balls_do_is_refused),
     ]
@@ -105,6 +107,11 @@ impl Shape<2> for Curve {
 
     fn contact_point(&self, _: &Vector2<f64>) -> Vector2<f64> {
         unreachable!("it touches nothing")
+    }
+
+    fn turned(&self, rotation: &Matrix2<f64>) -> Rc<dyn Shape<2>> {
+        let turn = Complex::new(rotation[(0, 0)], rotation[(1, 0)]);
+        Rc::new(Curve(self.0.iter().map(|(power, value)| (*power, value * turn)).collect()))
     }
 
     fn modes(&self, order: usize) -> Box<dyn Modes> {
@@ -256,7 +263,7 @@ impl Modes for CurveModes {
 
 /// The state of a body of a shape, the first of a setup.
 fn solved(session: &Session, setup: Setup<2>, curve: &Curve) -> BodyState<2> {
-    let mut suspension = Suspension::with_shapes(session, setup, &[(0, curve)]).unwrap();
+    let mut suspension = Suspension::with_shapes(session, setup, vec![(0, Rc::new(curve.clone()))]).unwrap();
     suspension.solve(&mut |_, _| {}).unwrap().bodies[0]
 }
 
@@ -316,19 +323,58 @@ fn a_free_ellipse_moves_as_its_drag_says(session: &Session) {
     assert!(state.twist.spin.norm() < 2e-4 * velocity.norm(), "{}", state.twist.spin);
 }
 
-/// Jeffery 1922 in the plane: the long axis turns at `-rate (a^2 sin^2 + b^2 cos^2) / (a^2 + b^2)`, in a box that is large beside it.
+/// A body in a sheared box that is large beside it.
+fn sheared(center: [f64; 2]) -> Setup<2> {
+    let (size, body) = (4.0, suspended(Vector2::from(center), 0.1, free(), 8));
+    let mut setup = Setup { spacing: size / 120.0, bodies: vec![body], ..array(16, Drive::Shear(1.0), free()) };
+    setup.domain.size = Vector2::repeat(size);
+    setup.domain.axes[1] = Axis::Sheared(LeesEdwards::steady(0.0, size, 0.0));
+    setup
+}
+
+/// Jeffery 1922 in the plane: the long axis turns at `-rate (a^2 sin^2 + b^2 cos^2) / (a^2 + b^2)`.
 fn an_ellipse_turns_as_jeffery_says(session: &Session) {
     for angle in [0.0, 0.7, 0.5 * PI] {
-        let (curve, size) = (Curve::ellipse([0.3, 0.15], angle), 4.0);
-        let body = suspended(Vector2::from([2.013, 2.027]), 0.1, free(), 8);
-        let mut setup = Setup { spacing: size / 120.0, bodies: vec![body], ..array(16, Drive::Shear(1.0), free()) };
-        setup.domain.size = Vector2::repeat(size);
-        setup.domain.axes[1] = Axis::Sheared(LeesEdwards::steady(0.0, size, 0.0));
-        let state = solved(session, setup, &curve);
+        let state = solved(session, sheared([2.013, 2.027]), &Curve::ellipse([0.3, 0.15], angle));
         let expected = -(0.09 * angle.sin().powi(2) + 0.0225 * angle.cos().powi(2)) / (0.09 + 0.0225);
         let turning = state.twist.spin[(1, 0)];
         assert!((turning - expected).abs() < 0.015, "{angle}: {turning} and {expected}");
     }
+}
+
+/// The same over time, `tan(angle) = b/a tan(phase)`, whose phase falls by `a b / (a^2 + b^2)` a strain; and on from the middle, from what a checkpoint holds.
+fn an_ellipse_tumbles_on_jefferys_orbit(session: &Session) {
+    let simulation = || {
+        let shapes: Vec<(usize, Rc<dyn Shape<2>>)> = vec![(0, Rc::new(Curve::ellipse([0.3, 0.15], 0.5 * PI)))];
+        let suspension = Suspension::with_shapes(session, sheared([2.013, 2.0]), shapes).unwrap();
+        Simulation::flowing(
+            session,
+            Box::new(suspension),
+            TimeSection { scheme: Scheme::TwoStep, step: Step::Fixed(0.1), ..TimeSection::to(4.0) },
+        )
+    };
+    let step = |simulation: &mut Simulation<2>| {
+        let observation = simulation.evaluate(&mut |_, _| {}).unwrap();
+        simulation.step(&observation, &mut |_, _| {}).unwrap();
+    };
+    let angle = |simulation: &Simulation<2>| {
+        let rotation = simulation.state().bodies[0].rotation;
+        0.5 * PI + rotation[(1, 0)].atan2(rotation[(0, 0)])
+    };
+    let (mut whole, mut later) = (simulation(), simulation());
+    for count in 1..=40 {
+        step(&mut whole);
+        if count == 20 {
+            later.restore(whole.state().clone(), Default::default()).unwrap();
+        }
+        if count > 20 {
+            step(&mut later);
+        }
+        let phase = 0.5 * PI - 0.4 * whole.state().time;
+        let expected = (0.5 * phase.sin()).atan2(phase.cos());
+        assert!((angle(&whole) - expected).abs() < 0.02, "at {}: {} and {expected}", whole.state().time, angle(&whole));
+    }
+    assert!((angle(&whole) - angle(&later)).abs() < 1e-6, "{} and {}", angle(&whole), angle(&later));
 }
 
 /// A shear that is mirrored with all in it turns bodies the other way; a disk and a wall near a curve are met as near disks are.
@@ -337,7 +383,7 @@ fn an_ellipse_at_a_wall_and_beside_a_disk_needs_no_torque_to_mirror(session: &Se
         let place = |x: f64, y: f64| Vector2::new(0.75 + side * (x - 0.75), y);
         let bodies = vec![suspended(place(0.6, 0.29), 0.1, free(), 6), suspended(place(0.93, 0.42), 0.12, free(), 6)];
         let setup = Setup { inverse: InverseMethod::Transform, ..couette(1.5, 1.0 / 64.0, side, bodies) };
-        let mut suspension = Suspension::with_shapes(session, setup, &[(0, &Curve::ellipse([0.2, 0.12], side * 0.4))]).unwrap();
+        let mut suspension = Suspension::with_shapes(session, setup, vec![(0, Rc::new(Curve::ellipse([0.2, 0.12], side * 0.4)))]).unwrap();
         let solution = suspension.solve(&mut |_, _| {}).unwrap();
         assert!(solution.bodies.iter().all(|state| state.force.norm() < 1e-6 && state.torque.norm() < 1e-6));
         solution.bodies.iter().map(|state| side * state.twist.spin[(1, 0)]).collect::<Vec<f64>>()
@@ -348,6 +394,6 @@ fn an_ellipse_at_a_wall_and_beside_a_disk_needs_no_torque_to_mirror(session: &Se
 
 fn what_only_balls_do_is_refused(session: &Session) {
     let setup = Setup { constraint: ConstraintMethod::Distributed, ..array(32, Drive::MeanVelocity(Vector2::x()), fixed()) };
-    let refusal = Suspension::with_shapes(session, setup, &[(0, &Curve::ellipse([0.3, 0.15], 0.0))]).err().unwrap().to_string();
+    let refusal = Suspension::with_shapes(session, setup, vec![(0, Rc::new(Curve::ellipse([0.3, 0.15], 0.0)))]).err().unwrap().to_string();
     assert!(refusal.contains("bodies that are no balls"), "{refusal}");
 }
