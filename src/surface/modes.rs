@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
-use super::{quadrature::Quadrature, rotation::Degree};
+use super::rotation::Degree;
 
 /// Multiplier modes on the surface of a ball: tractions `F` on `gamma`, linear in real coefficients, and the jump functions they cause.
 ///
@@ -35,11 +35,6 @@ pub trait Modes {
     /// Writes in `out` the point of the surface of a direction, from the centre.
     fn point(&self, direction: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(direction).for_each(|(out, along)| *out = along * self.radius());
-    }
-
-    /// Directions of quadrature points for modes up to an order, that lie about as finely as a grid of this spacing.
-    fn quadrature(&self, order: usize, spacing: f64) -> Quadrature {
-        super::quadrature(self.dimension(), self.radius() / spacing, order)
     }
 
     /// Number of modes, rigid ones included.

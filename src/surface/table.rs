@@ -37,7 +37,7 @@ impl<const D: usize> SurfaceTable<D> {
 
     /// The surface that has these modes up to `order`, of a body of any shape, sampled about as finely as the grid.
     pub fn of(modes: Box<dyn Modes>, order: usize, spacing: f64) -> SurfaceTable<D> {
-        let quadrature = modes.quadrature(order, spacing);
+        let quadrature = quadrature(D, modes.radius() / spacing, order);
         let offset = |direction: &[f64]| {
             let mut point = SVector::<f64, D>::zeros();
             modes.point(direction, point.as_mut_slice());
