@@ -83,6 +83,9 @@ impl<const D: usize> Suspension<D> {
     ///
     /// # Errors
     /// The same, or the setup has what only balls do.
+    ///
+    /// # Panics
+    /// If there is no body of such a number.
     pub fn with_shapes(session: &Session, mut setup: Setup<D>, shapes: Vec<(usize, Rc<dyn Shape<D>>)>) -> Result<Suspension<D>> {
         let only_flow =
             setup.inertia.is_none() && setup.constraint == ConstraintMethod::Sharp && setup.interactions.iter().next().is_none();

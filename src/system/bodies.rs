@@ -173,14 +173,14 @@ impl<const D: usize> BodyTypes<D> {
         self.shaped.push(ShapedBody { body, shape, rotation: SMatrix::identity() });
     }
 
-    /// Turns bodies that are no balls by these rotations of all bodies from how they started.
+    /// Turns bodies that are no balls by these rotations of all bodies from how they started; back to that if there are none.
     pub fn turn_to(&mut self, rotations: &[SMatrix<f64, D, D>], setup: &Setup<D>) {
         let mut shaped = std::mem::take(&mut self.shaped);
         for ShapedBody { body, shape, rotation } in &mut shaped {
-            let turned = rotations.get(*body).filter(|turned| **turned != *rotation);
-            if let Some(turned) = turned {
-                *rotation = *turned;
-                let (kind, place) = (self.shaped_type(*body, shape.turned(turned).as_ref(), setup), self.kind_of[*body]);
+            let turned = rotations.get(*body).copied().unwrap_or_else(SMatrix::identity);
+            if turned != *rotation {
+                *rotation = turned;
+                let (kind, place) = (self.shaped_type(*body, shape.turned(&turned).as_ref(), setup), self.kind_of[*body]);
                 self.body_types[place] = kind;
             }
         }
