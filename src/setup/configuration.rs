@@ -29,8 +29,11 @@ pub struct Configuration<'a, const D: usize> {
 impl<'a, const D: usize> Configuration<'a, D> {
     /// That in which bodies are at these centres and none touches, in the box of a setup as it is.
     pub fn at_rest(setup: &Setup<D>, centers: &'a [SVector<f64, D>], bonds: &'a [Row<D>]) -> Self {
-        let time = setup.domain.time();
-        let tolerance = setup.tolerance.at_an_instant();
-        Configuration { centers, rotations: &[], time, contacts: &[], contact_guess: &[], bonds, pushes: &[], tolerance }
+        Configuration { bonds, ..Configuration::new(centers, setup.domain.time(), setup.tolerance.at_an_instant()) }
+    }
+
+    /// Bodies with these centres at a time, unturned, on which nothing acts but what the setup has.
+    pub fn new(centers: &'a [SVector<f64, D>], time: f64, tolerance: f64) -> Self {
+        Configuration { centers, rotations: &[], time, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance }
     }
 }

@@ -258,16 +258,7 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let mut fitted = FittedFlow::new(session, setup()).unwrap();
     for (step, y) in [0.8, 0.78, 0.75, 0.7, 0.6, 0.5, 0.3, 0.2].into_iter().enumerate() {
         let centers = [Vector2::new(0.4, y)];
-        let moment = Configuration {
-            centers: &centers,
-            rotations: &[],
-            time: 0.0,
-            contacts: &[],
-            contact_guess: &[],
-            bonds: &[],
-            pushes: &[],
-            tolerance: 1e-6,
-        };
+        let moment = Configuration::new(&centers, 0.0, 1e-6);
         let moved = fitted.solve_at(&moment, &mut |_, _| {}).unwrap();
         let fresh = FittedFlow::new(session, setup()).unwrap().solve_at(&moment, &mut |_, _| {}).unwrap();
         let (one, other) = (moved.bodies[0].twist, fresh.bodies[0].twist);
@@ -281,16 +272,8 @@ fn a_mesh_that_moves_gives_what_a_new_one_gives(session: &Session) {
     let mut resumed = FittedFlow::new(session, setup()).unwrap();
     let past = Some(ExtrapolationHistory { time: past.time, last, earlier: None });
     resumed.restore(History { past, ..History::default() }).unwrap();
-    let moment = Configuration {
-        rotations: &[],
-        centers: &[Vector2::new(0.4, 0.19)],
-        time: 0.0,
-        contacts: &[],
-        contact_guess: &[],
-        bonds: &[],
-        pushes: &[],
-        tolerance: 1e-6,
-    };
+    let centers = [Vector2::new(0.4, 0.19)];
+    let moment = Configuration::new(&centers, 0.0, 1e-6);
     let [one, other] = [&mut fitted, &mut resumed].map(|flow| flow.solve_at(&moment, &mut |_, _| {}).unwrap().bodies[0].twist);
     assert!((one.velocity - other.velocity).norm() < 1e-10 * one.velocity.norm(), "a restart does not make the same mesh");
 }

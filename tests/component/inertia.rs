@@ -185,7 +185,7 @@ fn setup<const D: usize>(domain: Domain<D>, spacing: f64, viscosity: f64, bodies
 }
 
 fn configuration<const D: usize>(centers: &[SVector<f64, D>], time: f64) -> Configuration<'_, D> {
-    Configuration { centers, rotations: &[], time, contacts: &[], contact_guess: &[], bonds: &[], pushes: &[], tolerance: 1e-8 }
+    Configuration::new(centers, time, 1e-8)
 }
 
 /// Vortices in a square carried along: `u = U + v(x - U t) exp(-2 k^2 nu t)` with `v = (sin kx cos ky, -cos kx sin ky)` is exact.

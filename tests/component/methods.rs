@@ -256,16 +256,7 @@ fn bodies_that_move_are_assembled_anew(session: &Session) {
         let mut moved = setup;
         moved.bodies[1].body.ball.center += Vector2::new(0.013, 0.007);
         let centers: Vec<_> = moved.bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment = turbid::setup::Configuration {
-            rotations: &[],
-            centers: &centers,
-            time: 0.0,
-            contacts: &[],
-            contact_guess: &[],
-            bonds: &[],
-            pushes: &[],
-            tolerance: 1e-9,
-        };
+        let moment = turbid::setup::Configuration::new(&centers, 0.0, 1e-9);
         let kept = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
         let mut assembled = [kept.cost.assembled as f64];
         session.world().sum(&mut assembled);

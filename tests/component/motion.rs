@@ -139,21 +139,7 @@ fn a_warm_start_finds_the_solution_that_a_cold_one_finds(session: &Session) {
     let warm = simulation.evaluate(&mut |_, _| {}).unwrap();
     let centers = simulation.state().centers();
     let mut fresh = flow_solver(session, setup).unwrap();
-    let cold = fresh
-        .solve_at(
-            &Configuration {
-                centers: &centers,
-                rotations: &[],
-                time: 0.0,
-                contacts: &[],
-                contact_guess: &[],
-                bonds: &[],
-                pushes: &[],
-                tolerance: 1e-8,
-            },
-            &mut |_, _| {},
-        )
-        .unwrap();
+    let cold = fresh.solve_at(&Configuration::new(&centers, 0.0, 1e-8), &mut |_, _| {}).unwrap();
     assert!(warm.effort.iterations < cold.cost.krylov.iterations, "the start was not warm");
     let fastest = cold.bodies.iter().map(|body| body.twist.velocity.norm()).fold(0.0, f64::max);
     for (warm, cold) in warm.twists.iter().zip(&cold.bodies) {
@@ -356,16 +342,7 @@ fn only_bodies_that_moved_are_assembled_anew(session: &Session) {
     // a little way; then so close to the second disk that it meets its interpolation; then no further
     for (way, expected) in [(0.0, 4.0), (0.1, 1.0), (0.75, 2.0), (0.75, 0.0)] {
         let centers: Vec<Vector2<f64>> = setup(way).bodies.iter().map(|suspended| suspended.body.ball.center).collect();
-        let moment = Configuration {
-            centers: &centers,
-            rotations: &[],
-            time: 0.0,
-            contacts: &[],
-            contact_guess: &[],
-            bonds: &[],
-            pushes: &[],
-            tolerance: 1e-9,
-        };
+        let moment = Configuration::new(&centers, 0.0, 1e-9);
         let solution = suspension.solve_at(&moment, &mut |_, _| {}).unwrap();
         let mut assembled = [solution.cost.assembled as f64];
         session.world().sum(&mut assembled);
