@@ -28,14 +28,25 @@ impl MeshVelocity {
     /// No triangle holds a point.
     pub fn at(&self, points: impl Iterator<Item = Vector2<f64>>) -> Result<Vec<Vector2<f64>>> {
         let locator = Locator::new(&self.mesh);
-        let velocity = |point: Vector2<f64>| {
-            Ok(match locator.spot(&point)? {
-                Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| self.nodes[node]),
-                Spot::Disk(disk, arm) => self.motions[disk].at(&arm) - self.background * (self.mesh.disks[disk].center + arm),
-            })
-        };
-        points.map(velocity).collect()
+        let in_disk = |disk: usize, arm: &Vector2<f64>| self.motions[disk].at(arm) - self.background * (self.mesh.disks[disk].center + arm);
+        points.map(|point| velocity(&locator, &self.nodes, in_disk, &point)).collect()
     }
+}
+
+/// A velocity given at the nodes of a mesh and, by the arm from its centre, in each of its disks, at a point.
+///
+/// # Errors
+/// No triangle holds the point.
+pub fn velocity(
+    locator: &Locator,
+    nodes: &[Vector2<f64>],
+    in_disk: impl Fn(usize, &Vector2<f64>) -> Vector2<f64>,
+    point: &Vector2<f64>,
+) -> Result<Vector2<f64>> {
+    Ok(match locator.spot(point)? {
+        Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| nodes[node]),
+        Spot::Disk(disk, arm) => in_disk(disk, &arm),
+    })
 }
 
 /// A scalar that is given at the nodes of a mesh, and has one value in each of its disks.
@@ -60,11 +71,11 @@ impl MeshScalar {
     /// # Errors
     /// No triangle holds a point.
     pub fn at(&self, points: impl Iterator<Item = Vector2<f64>>) -> Result<Vec<f64>> {
-        let locator = Locator::new(&self.mesh);
+        let (locator, disks) = (Locator::new(&self.mesh), (0..self.mesh.disks.len()).map(|disk| self.in_disk(disk)).collect::<Vec<f64>>());
         let value = |point: Vector2<f64>| {
             Ok(match locator.spot(&point)? {
                 Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| self.nodes[node]),
-                Spot::Disk(disk, _) => self.in_disk(disk),
+                Spot::Disk(disk, _) => disks[disk],
             })
         };
         points.map(value).collect()

@@ -23,7 +23,7 @@ mod tests;
 
 pub use cloud::Place;
 pub use element::{Sample, ShapeFunctions};
-pub use field::{MeshScalar, MeshVelocity};
+pub use field::{MeshScalar, MeshVelocity, velocity};
 pub use generate::generate;
 pub use grading::EdgeLengths;
 pub use inertia::{Acceleration, DiskInertia, MeshInertia};

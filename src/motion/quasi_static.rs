@@ -76,6 +76,7 @@ pub(super) struct Placed<'a, const D: usize> {
 pub(super) struct KnownInstant<'a, const D: usize> {
     pub(super) placed: Placed<'a, D>,
     pub(super) centers: Vec<SVector<f64, D>>,
+    pub(super) rotations: Vec<SMatrix<f64, D, D>>,
     pub(super) interactions: Interactions<D>,
     /// Forces that follow from where bodies are.
     pub(super) forces: Forces<D>,
@@ -207,11 +208,12 @@ impl<const D: usize> QuasiStatic<D> {
             self.contact_weights = self.weights.iter().map(|weight| weight / of_impulse).collect();
         }
         let (placed, centers) = (self.placed(state), state.centers());
+        let rotations = state.bodies.iter().map(|body| body.rotation).collect();
         let interactions = self.suspension.setup().interactions.clone();
         self.refuse_overlap(&placed, interactions.touch())?;
         let arrangement = self.arrangement(&placed);
         let (forces, springs) = (interactions.forces(&arrangement), interactions.springs(&arrangement));
-        Ok(KnownInstant { placed, centers, interactions, forces, springs, tried })
+        Ok(KnownInstant { placed, centers, rotations, interactions, forces, springs, tried })
     }
 
     /// What ties bodies over a step of this length.
@@ -227,12 +229,11 @@ impl<const D: usize> QuasiStatic<D> {
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<(Solution<D>, Vec<Twist<D>>)> {
-        let KnownInstant { placed, centers, .. } = instant;
+        let KnownInstant { placed, centers, rotations, .. } = instant;
         let bonds = self.bonds(instant, flow_rows.step);
-        let rotations: Vec<SMatrix<f64, D, D>> = placed.state.bodies.iter().map(|body| body.rotation).collect();
         let configuration = Configuration {
             centers,
-            rotations: &rotations,
+            rotations,
             time: placed.state.time,
             contacts: flow_rows.rows,
             contact_guess: flow_rows.guess,

@@ -7,7 +7,11 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::output::{MeanViscosity, with_bar};
+use super::{output::Output, view::View};
+use crate::{
+    error::Result,
+    output::{MeanViscosity, Summary, with_bar},
+};
 
 /// A progress line; silent when the standard error is no terminal, and on every rank but the first.
 pub struct Progress {
@@ -91,6 +95,31 @@ impl Drop for Line {
 /// How far a residual has come on its way from 1 to the tolerance, in orders of magnitude.
 fn part_done(residual: f64, tolerance: f64) -> f64 {
     if residual > 0.0 { (residual.ln() / tolerance.ln()).clamp(0.0, 1.0) } else { 1.0 }
+}
+
+impl<const D: usize> Output<D> for Progress {
+    fn iterate(&mut self, iteration: usize, residual: f64) {
+        self.show(iteration, residual);
+    }
+
+    fn write(&mut self, _: &View<D>) -> Result<()> {
+        self.end();
+        Ok(())
+    }
+}
+
+impl<const D: usize> Output<D> for TimeProgress {
+    fn write(&mut self, view: &View<D>) -> Result<()> {
+        if let Some(motion) = &view.motion {
+            self.show(motion.state().time, motion.state().steps, view.history.mean());
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, _: &View<D>, _: &mut Summary) -> Result<Vec<String>> {
+        self.end();
+        Ok(Vec::new())
+    }
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector2;
 
-use super::{interpolation::velocity, plane::rigid};
+use super::plane::rigid;
 use crate::{
     error::Result,
-    fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, PlaneTwist, Projection},
+    fitted::{DiskInertia, Locator, Mesh, MeshInertia, Momentum, MovingMesh, Place, PlaneTwist, Projection, velocity},
     mechanics::{
         MeshLevel,
         unsteady::{StepWeights, inertia},
@@ -101,7 +101,7 @@ fn on_other_mesh(level: &MeshLevel, old: &Mesh, new: &mut MovingMesh, session: &
     };
     let given = mesh.nodes.iter().zip(&mesh.places).map(given).collect();
     let (locator, momentum) = (Locator::new(&here), Momentum::of(&here, &level.velocities)?);
-    let at = |point: &Vector2<f64>| velocity(&locator, &level.velocities, &level.motions, point);
+    let at = |point: &Vector2<f64>| velocity(&locator, &level.velocities, |disk, arm| level.motions[disk].at(arm), point);
     let velocities = Projection::new(&mesh, given)?.solve(session, at, &momentum)?;
     Ok(MeshLevel { nodes: mesh.nodes, velocities, centers: level.centers.clone(), motions: level.motions.clone(), ..*level })
 }

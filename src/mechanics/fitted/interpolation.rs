@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use crate::{
     error::Result,
-    fitted::{Locator, PlaneTwist, Spot, StokesFlow, StokesProblem, first_order, second_order},
+    fitted::{Locator, Spot, StokesFlow, StokesProblem, first_order, second_order},
     grid::{Grid, operators::signed},
     petsc::{Session, Vector},
 };
@@ -37,12 +37,4 @@ pub fn interpolate<const D: usize>(
     }
     drop(local);
     Ok(fluid)
-}
-
-/// A velocity given at the nodes of a mesh and by the motions of its disks, at a point.
-pub fn velocity(locator: &Locator, velocities: &[Vector2<f64>], motions: &[PlaneTwist], point: &Vector2<f64>) -> Result<Vector2<f64>> {
-    Ok(match locator.spot(point)? {
-        Spot::Fluid(triangle, l) => second_order(triangle, &l, |node| velocities[node]),
-        Spot::Disk(disk, arm) => motions[disk].at(&arm),
-    })
 }

@@ -15,7 +15,6 @@ pub mod log;
 mod objects;
 mod picture;
 mod probe;
-mod progress;
 mod protocol;
 mod report;
 mod series;
