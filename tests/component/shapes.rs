@@ -27,10 +27,11 @@ pub fn tests() -> Vec<Test> {
         Test::of(a_circle_is_a_disk),
         Test::of(ellipses_have_the_drag_of_finite_elements),
         Test::of(a_square_with_round_corners_has_the_drag_of_finite_elements),
+        Test::of(an_ellipse_across_a_periodic_side_and_in_other_units_has_the_same_drag),
         Test::of(a_free_ellipse_moves_as_its_drag_says),
         Test::of(an_ellipse_turns_as_jeffery_says),
         Test::of(an_ellipse_tumbles_on_jefferys_orbit),
-        Test::of(an_ellipse_at_a_wall_and_beside_a_disk_needs_no_torque_to_mirror),
+        Test::of(an_ellipse_at_a_wall_and_beside_a_disk_moves_as_its_mirror_image),
         Test::of(what_only_balls_do_is_refused),
     ]
 }
@@ -141,7 +142,8 @@ impl CurveModes {
             }
             row
         };
-        let of_curve = |m: i32| curve.0.iter().find(|(power, _)| *power == m).map_or(Complex::ZERO, |(_, value)| *value);
+        let lever = curve.0.iter().map(|(_, value)| value.norm_sqr()).sum::<f64>().sqrt();
+        let of_curve = |m: i32| curve.0.iter().find(|(power, _)| *power == m).map_or(Complex::ZERO, |(_, value)| *value / lever);
         let unit = |wanted: i32, value: Complex<f64>| move |m: i32| if m == wanted { value } else { Complex::ZERO };
         // the first is a pressure inside, which does nothing
         let mut rows = vec![
@@ -165,7 +167,6 @@ impl CurveModes {
         assert_eq!(basis.len(), count);
         let basis = DMatrix::from_fn(count - 1, count, |mode, entry| basis[mode + 1][entry]);
         let length = 2.0 * PI * Curve::around(1000).map(|s| curve.slope(s).norm()).sum::<f64>() / 1000.0;
-        let lever = curve.0.iter().map(|(_, value)| value.norm_sqr()).sum::<f64>().sqrt();
         CurveModes { bounds: curve.extent(), order: order as i32, radius: length / (2.0 * PI), lever, basis, curve }
     }
 
@@ -311,6 +312,22 @@ fn a_square_with_round_corners_has_the_drag_of_finite_elements(session: &Session
     assert_near("K", across.y, 49.0185, 1e-3);
 }
 
+/// Half a box away, by whole cells, and in micrometres; a force a length in 2D is the same in any unit of length.
+fn an_ellipse_across_a_periodic_side_and_in_other_units_has_the_same_drag(session: &Session) {
+    let curve = |unit: f64| Curve::ellipse([0.3 * unit, 0.15 * unit], PI / 6.0);
+    let scene = |unit: f64, center: Vector2<f64>| {
+        let mut setup = array(32, Drive::MeanVelocity(Vector2::x()), fixed());
+        (setup.domain.size, setup.spacing) = (setup.domain.size * unit, setup.spacing * unit);
+        setup.bodies[0].body.ball.center = center * unit;
+        solved(session, setup, &curve(unit)).force
+    };
+    let here = scene(1.0, Vector2::from(CENTER));
+    for (unit, shift) in [(1.0, 0.5), (1e-6, 0.0), (1e3, 0.5)] {
+        let there = scene(unit, Vector2::from(CENTER) + Vector2::repeat(shift));
+        assert!((there - here).norm() < 1e-7 * here.norm(), "{unit}, {shift}: {there} and {here}");
+    }
+}
+
 /// Stokes flow is linear: the velocity under a force times the drag is that force.
 fn a_free_ellipse_moves_as_its_drag_says(session: &Session) {
     let curve = Curve::ellipse([0.3, 0.15], PI / 6.0);
@@ -378,7 +395,7 @@ fn an_ellipse_tumbles_on_jefferys_orbit(session: &Session) {
 }
 
 /// A shear that is mirrored with all in it turns bodies the other way; a disk and a wall near a curve are met as near disks are.
-fn an_ellipse_at_a_wall_and_beside_a_disk_needs_no_torque_to_mirror(session: &Session) {
+fn an_ellipse_at_a_wall_and_beside_a_disk_moves_as_its_mirror_image(session: &Session) {
     let spins = [1.0, -1.0].map(|side| {
         let place = |x: f64, y: f64| Vector2::new(0.75 + side * (x - 0.75), y);
         let bodies = vec![suspended(place(0.6, 0.29), 0.1, free(), 6), suspended(place(0.93, 0.42), 0.12, free(), 6)];
