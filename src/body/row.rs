@@ -21,7 +21,7 @@ impl<const D: usize> RigidFunctional<D> {
     }
 }
 
-/// A row `rate of a coordinate + compliance force = wanted rate`.
+/// A row `rate of a coordinate + compliance force = wanted rate`, or no less than that where the force has a least one, as at contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row<const D: usize> {
     /// The bodies, with what the motion of each counts for the rate, and so how a unit force pushes and turns it.
@@ -32,12 +32,14 @@ pub struct Row<const D: usize> {
     pub rate: f64,
     /// Rate over force; zero for what cannot give way.
     pub compliance: f64,
+    /// The least force that it bears, not positive; minus infinity where nothing limits it.
+    pub least: f64,
 }
 
 impl<const D: usize> Row<D> {
-    /// A row of which a unit force pushes each body as its motion counts.
+    /// A row of which a unit force, of any sign, pushes each body as its motion counts.
     pub fn new(ends: Vec<(usize, RigidFunctional<D>)>, rate: f64, compliance: f64) -> Row<D> {
-        Row { ends, pushes: Vec::new(), rate, compliance }
+        Row { ends, pushes: Vec::new(), rate, compliance, least: f64::NEG_INFINITY }
     }
 
     /// The bodies, each with what its motion counts, and with how a unit force pushes and turns it.

@@ -36,12 +36,12 @@ impl<const D: usize> ContactForce<D> {
 }
 
 impl<const D: usize> Contact<D> {
-    /// The row by which the gap closes in a step of this length, and no sooner.
+    /// The row by which the gap closes in a step of this length, and no sooner, of a contact that does not pull.
     pub fn row(&self, step: f64) -> Row<D> {
         let side = |direction| RigidFunctional { direction, turn: SMatrix::zeros() };
         let partner = self.other().map(|other| (other, side(self.normal)));
         let ends = [(self.body, side(-self.normal))].into_iter().chain(partner).collect();
-        Row::new(ends, -self.gap / step - self.normal.dot(&self.sliding), 0.0)
+        Row { least: 0.0, ..Row::new(ends, -self.gap / step - self.normal.dot(&self.sliding), 0.0) }
     }
 }
 

@@ -63,5 +63,5 @@ pub use projection::{Projection, ProjectionShare};
 pub use replay::Island;
 pub use solver::Solver;
 pub use spanning::Spanning;
-pub use tied::{RIGID, RigidBalls, TiedContact, TiedProblem};
+pub use tied::{RIGID, RigidBalls, TiedProblem};
 pub use view::{ProblemShare, View};

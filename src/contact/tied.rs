@@ -1,8 +1,8 @@
 //! Bodies that are tied to each other and touch: contact forces that keep them apart where ties act at the same time.
 //!
-//! `min 1/2 sum_i w_i |v_i - wanted_i|^2 + 1/2 sum_t c_t f_t^2` subject to `sum d_i . v_i + c_t f_t = rate_t` for each [`Row`], which turns no body, and
-//! `gap + dt opening(v) >= 0` for each [`Contact`]: one convex program. A contact that may pull does so with its least force from the start, so that its
-//! multiplier is what it bears besides.
+//! `min 1/2 sum_i w_i |v_i - wanted_i|^2 + 1/2 sum_t c_t f_t^2` subject to `sum d_i . v_i + c_t f_t = rate_t` for each [`Row`] of a tie, and
+//! `sum d_i . v_i >= rate_c` for that of each contact: one convex program. None of them turns a body. A contact that may pull does so with its least force
+//! from the start, so that its multiplier is what it bears besides.
 //!
 //! Balls of a rigid body move by its unknowns `q` alone, which a force on a ball moves by `R^T f` and which move it by `R q` ([`RigidBalls`]).
 
@@ -11,11 +11,8 @@ use std::collections::BTreeMap;
 use clarabel::algebra::CscMatrix;
 use nalgebra::{SMatrix, SVector};
 
-use super::{Contact, ContactForce, force::pushes, tied_program::TiedProgram, union_find::UnionFind};
+use super::{tied_program::TiedProgram, union_find::UnionFind};
 use crate::body::Row;
-
-/// Smallest violation, in distances of centres, that the unknowns are scaled by.
-const SMALLEST_SCALE: f64 = 1e-7;
 
 /// Most motions of a rigid body.
 pub const RIGID: usize = 6;
@@ -23,17 +20,6 @@ pub const RIGID: usize = 6;
 /// The balls of a rigid body, each with `R`: its velocity for unit unknowns, which are scaled so that their mobility is one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidBalls<const D: usize>(pub Vec<(usize, SMatrix<f64, D, RIGID>)>);
-
-/// A contact of tied bodies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TiedContact<const D: usize> {
-    /// The contact.
-    pub contact: Contact<D>,
-    /// The least force that it may bear, not positive.
-    pub least: f64,
-    /// Whether it is likely to bear more.
-    pub presses: bool,
-}
 
 /// Bodies with ties and contacts that want to move for one step.
 #[derive(Debug, Clone, Copy)]
@@ -46,10 +32,12 @@ pub struct TiedProblem<'a, const D: usize> {
     pub ties: &'a [Row<D>],
     /// Which of them are balls of rigid bodies.
     pub rigid: &'a [RigidBalls<D>],
-    /// Where they touch or may.
-    pub contacts: &'a [TiedContact<D>],
-    /// Length of the step.
-    pub step: f64,
+    /// Where they touch or may: rows of which each bears its least force or more.
+    pub contacts: &'a [Row<D>],
+    /// Which of these are likely to bear more.
+    pub presses: &'a [bool],
+    /// A rate of contacts that is small: unknowns are scaled by no smaller violation.
+    pub smallest: f64,
 }
 
 /// Bodies that hang together by ties, rigid bodies and contacts, with the places of these.
@@ -66,10 +54,10 @@ struct TiedIsland {
 /// For each body the rigid body that it is a ball of, and how that moves it.
 type RigidMaps<const D: usize> = Vec<Option<(usize, SMatrix<f64, D, RIGID>)>>;
 
-/// A row of the program: entries by unknown, what they are to add up to, and what makes their squares add up to 1.
+/// A row of the program: entries by unknown, what they miss of the rate wanted, and what makes their squares add up to 1.
 struct ScaledRow {
     entries: Vec<(usize, f64)>,
-    side: f64,
+    missing: f64,
     scale: f64,
 }
 
@@ -81,8 +69,17 @@ impl<const D: usize> TiedProblem<'_, D> {
         for island in self.islands(&rigid).into_iter().skip(rank).step_by(ranks) {
             forces.extend(self.solve(&island, &rigid)?);
         }
-        let pushes = pushes(self.velocities.len(), forces);
+        let pushes = self.pushes(forces.into_iter());
         Some(pushes.iter().zip(self.weights).map(|(push, weight)| push / *weight).collect())
+    }
+
+    /// The force on each body by forces of contacts, which are named by their places.
+    fn pushes(&self, forces: impl Iterator<Item = (usize, f64)>) -> Vec<SVector<f64, D>> {
+        let mut pushes = vec![SVector::zeros(); self.weights.len()];
+        for (contact, force) in forces {
+            self.contacts[contact].wrenches(force).for_each(|(body, push)| pushes[body] += push.direction);
+        }
+        pushes
     }
 
     fn gives_way(&self, body: usize) -> bool {
@@ -97,30 +94,37 @@ impl<const D: usize> TiedProblem<'_, D> {
         rigid
     }
 
-    /// The forces at the contacts of an island; none if it has no solution.
-    fn solve(&self, island: &TiedIsland, rigid: &RigidMaps<D>) -> Option<Vec<ContactForce<D>>> {
-        let contacts: Vec<TiedContact<D>> = island.contacts.iter().map(|&contact| self.contacts[contact]).collect();
-        let pulled = self.pulled(island, rigid, &contacts);
-        let velocity = |body: usize| self.velocities[body] + pulled[body];
-        let (ties, softs) = self.tie_rows(island, rigid, &velocity);
-        let touching: Vec<ScaledRow> =
-            contacts.iter().map(|contact| self.contact_row(island, rigid, &velocity, &contact.contact)).collect();
-        let unit = ties.iter().map(|row| row.side.abs()).chain(touching.iter().map(|row| -row.side)).fold(0.0, f64::max);
-        let least = |(row, contact): (&ScaledRow, &TiedContact<D>)| SMALLEST_SCALE * contact.contact.separation / self.step * row.scale;
-        let unit = touching.iter().zip(&contacts).map(least).fold(unit, f64::max);
-        let sides = |rows: &[ScaledRow]| -> Vec<f64> { rows.iter().map(|row| row.side / unit).collect() };
-        let transposed = columns(island.unknowns + softs, ties.iter().chain(&touching));
-        let program = TiedProgram { transposed, equations: sides(&ties), offsets: sides(&touching) };
-        let multipliers = program.solve(&contacts.iter().map(|contact| contact.presses).collect::<Vec<bool>>())?;
-        let found = contacts.into_iter().zip(&touching).zip(multipliers);
-        let force = |((contact, row), multiplier): ((TiedContact<D>, &ScaledRow), f64)| contact.least + multiplier * unit * row.scale;
-        Some(found.map(|found| ContactForce::normal(found.0.0.contact, force(found))).collect())
+    /// The forces at the contacts of an island, which are named by their places; none if it has no solution. Unknowns are `sqrt(w) (v - wanted)`, and
+    /// `sqrt(c) f` of soft rows.
+    fn solve(&self, island: &TiedIsland, rigid: &RigidMaps<D>) -> Option<Vec<(usize, f64)>> {
+        let pulled = self.pulled(island, rigid);
+        let mut unknowns = island.unknowns;
+        let mut scaled = |row: &Row<D>| {
+            let directions = || row.ends.iter().map(|(body, side)| (*body, side.direction));
+            let moving: f64 = directions().map(|(body, direction)| direction.dot(&(self.velocities[body] + pulled[body]))).sum();
+            let mut entries = self.entries(island, rigid, directions());
+            if row.compliance > 0.0 {
+                entries.push((unknowns, row.compliance.sqrt()));
+                unknowns += 1;
+            }
+            ScaledRow::new(entries, row.rate - moving)
+        };
+        let contacts = || island.contacts.iter().map(|&contact| &self.contacts[contact]);
+        let ties: Vec<ScaledRow> = island.ties.iter().map(|&tie| scaled(&self.ties[tie])).collect();
+        let touching: Vec<ScaledRow> = contacts().map(scaled).collect();
+        let unit = ties.iter().map(|row| row.missing.abs()).chain(touching.iter().map(|row| row.missing)).fold(0.0, f64::max);
+        let unit = touching.iter().map(|row| self.smallest * row.scale).fold(unit, f64::max);
+        let transposed = columns(unknowns, ties.iter().chain(&touching));
+        let equations = ties.iter().map(|row| row.missing / unit).collect();
+        let program = TiedProgram { transposed, equations, offsets: touching.iter().map(|row| -row.missing / unit).collect() };
+        let multipliers = program.solve(&island.contacts.iter().map(|&contact| self.presses[contact]).collect::<Vec<bool>>())?;
+        let force = |((contact, row), multiplier): ((&Row<D>, &ScaledRow), f64)| contact.least + multiplier * unit * row.scale;
+        Some(island.contacts.iter().copied().zip(contacts().zip(&touching).zip(multipliers).map(force)).collect())
     }
 
     /// What the least forces of contacts change velocities by.
-    fn pulled(&self, island: &TiedIsland, rigid: &RigidMaps<D>, contacts: &[TiedContact<D>]) -> Vec<SVector<f64, D>> {
-        let least = contacts.iter().map(|contact| ContactForce::normal(contact.contact, contact.least));
-        let pushes = pushes(self.velocities.len(), least);
+    fn pulled(&self, island: &TiedIsland, rigid: &RigidMaps<D>) -> Vec<SVector<f64, D>> {
+        let pushes = self.pushes(island.contacts.iter().map(|&contact| (contact, self.contacts[contact].least)));
         let mut unknowns = vec![SVector::<f64, RIGID>::zeros(); self.rigid.len()];
         for &body in &island.bodies {
             rigid[body].iter().for_each(|(number, moved)| unknowns[*number] += moved.transpose() * pushes[body]);
@@ -130,35 +134,6 @@ impl<const D: usize> TiedProblem<'_, D> {
             None => push / self.weights[body],
         };
         pushes.iter().enumerate().map(change).collect()
-    }
-
-    /// Rows of ties in the unknowns `sqrt(w) (v - wanted)`, and `sqrt(c) f` of the soft ones, of which the number is given too.
-    fn tie_rows(&self, island: &TiedIsland, rigid: &RigidMaps<D>, velocity: &impl Fn(usize) -> SVector<f64, D>) -> (Vec<ScaledRow>, usize) {
-        let (mut rows, mut softs) = (Vec::new(), 0);
-        for tie in island.ties.iter().map(|&tie| &self.ties[tie]) {
-            let side = tie.rate - tie.ends.iter().map(|(body, side)| side.direction.dot(&velocity(*body))).sum::<f64>();
-            let mut entries = self.entries(island, rigid, tie.ends.iter().map(|(body, side)| (*body, side.direction)));
-            if tie.compliance > 0.0 {
-                entries.push((island.unknowns + softs, tie.compliance.sqrt()));
-                softs += 1;
-            }
-            rows.push(ScaledRow::new(entries, side));
-        }
-        (rows, softs)
-    }
-
-    fn contact_row(
-        &self,
-        island: &TiedIsland,
-        rigid: &RigidMaps<D>,
-        velocity: &impl Fn(usize) -> SVector<f64, D>,
-        contact: &Contact<D>,
-    ) -> ScaledRow {
-        let other = contact.other().map(|other| (other, contact.normal));
-        let ends = [Some((contact.body, -contact.normal)), other].into_iter().flatten();
-        let moving: f64 = ends.clone().map(|(body, direction)| direction.dot(&velocity(body))).sum();
-        let sliding = contact.other().map_or(0.0, |_| contact.normal.dot(&contact.sliding));
-        ScaledRow::new(self.entries(island, rigid, ends), contact.gap / self.step + moving + sliding)
     }
 
     fn entries(
@@ -182,10 +157,9 @@ impl<const D: usize> TiedProblem<'_, D> {
     fn islands(&self, rigid: &RigidMaps<D>) -> Vec<TiedIsland> {
         let mut sets = UnionFind::new(self.weights.len());
         let free = |bodies: Vec<usize>| -> Vec<usize> { bodies.into_iter().filter(|&body| self.gives_way(body)).collect() };
-        let tied: Vec<Vec<usize>> = self.ties.iter().map(|tie| free(tie.ends.iter().map(|(body, _)| *body).collect())).collect();
-        let touching =
-            |touching: &TiedContact<D>| free([Some(touching.contact.body), touching.contact.other()].into_iter().flatten().collect());
-        let touching: Vec<Vec<usize>> = self.contacts.iter().map(touching).collect();
+        let of_rows =
+            |rows: &[Row<D>]| -> Vec<Vec<usize>> { rows.iter().map(|row| free(row.ends.iter().map(|end| end.0).collect())).collect() };
+        let (tied, touching) = (of_rows(self.ties), of_rows(self.contacts));
         let balls: Vec<Vec<usize>> = self.rigid.iter().map(|RigidBalls(balls)| balls.iter().map(|(ball, _)| *ball).collect()).collect();
         tied.iter().chain(&touching).chain(&balls).for_each(|bodies| bodies.windows(2).for_each(|pair| sets.join(pair[0], pair[1])));
         let mut islands: BTreeMap<usize, TiedIsland> = BTreeMap::new();
@@ -222,8 +196,8 @@ impl TiedIsland {
 }
 
 impl ScaledRow {
-    /// The row whose entries are to add up to `side`; those of one unknown are added up. What no unknown changes is no row.
-    fn new(mut entries: Vec<(usize, f64)>, side: f64) -> ScaledRow {
+    /// The row of entries that miss so much; those of one unknown are added up. What no unknown changes is no row.
+    fn new(mut entries: Vec<(usize, f64)>, missing: f64) -> ScaledRow {
         entries.sort_by_key(|entry| entry.0);
         entries.dedup_by(|later, first| {
             let same = later.0 == first.0;
@@ -233,7 +207,7 @@ impl ScaledRow {
         let square = entries.iter().map(|(_, value)| value * value).sum::<f64>();
         let scale = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
         entries.iter_mut().for_each(|(_, value)| *value *= scale);
-        ScaledRow { entries, side: side * scale, scale }
+        ScaledRow { entries, missing: missing * scale, scale }
     }
 }
 
@@ -255,6 +229,7 @@ mod tests {
 
     use super::*;
     use crate::body::RigidFunctional;
+    use crate::contact::Contact;
     use crate::geometry::{Axis, Ball, Domain};
 
     /// Two disks above each other on a rod, the lower one on the floor, and one that falls freely.
@@ -268,14 +243,15 @@ mod tests {
         let rod = Row::new(vec![(0, side(-up)), (1, side(up))], 0.0, 0.0);
         let floor = |body: usize| Contact::of_wall(&domain, &balls, body, 1, false);
         for presses in [true, false] {
-            let contacts = [0, 2].map(|body| TiedContact { contact: floor(body), least: 0.0, presses });
+            let contacts = [0, 2].map(|body| floor(body).row(0.1));
             let problem = TiedProblem {
                 weights: &[1.0, 3.0, 1.0],
                 velocities: &[-up; 3],
                 ties: std::slice::from_ref(&rod),
                 rigid: &[],
                 contacts: &contacts,
-                step: 0.1,
+                presses: &[presses; 2],
+                smallest: 1e-7,
             };
             let changes = problem.changes(0, 1).unwrap();
             // the force stops both, and pushes the lower one

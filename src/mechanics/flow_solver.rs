@@ -24,21 +24,13 @@ pub trait FlowSolver<const D: usize> {
     /// What is solved.
     fn setup(&self) -> &Setup<D>;
 
-    /// Makes ready for solves at a time of a run: turns motions that are given to those of that time, and [`resistance`](Self::resistance) to that of the step
-    /// that leads there. From now on solves start from those before them, if they can: what was found at later times is forgotten, and what was found at this
-    /// time too, unless solves there go on `again`.
+    /// Makes ready for solves at a time of a run, in the box of that time: turns motions that are given to those of that time, and
+    /// [`resistance`](Self::resistance) to that of the step that leads there. From now on solves start from those before them, if they can: what was found at
+    /// later times is forgotten, and what was found at this time too, unless solves there go on `again`.
     ///
     /// # Errors
-    /// PETSc fails.
-    fn prepare(&mut self, time: f64, again: bool) -> Result<()>;
-
-    /// Turns to a box [sheared to](Domain::sheared_to) a rate that is found on the way.
-    ///
-    /// # Errors
-    /// Images would be displaced by a part of a cell, or the flow does not allow it.
-    fn shear_to(&mut self, _domain: Domain<D>) -> Result<()> {
-        Err(Error::refused("flow.drive.shear_stress: only Stokes flow on a grid finds the rate of a shear; give flow.drive.shear_rate"))
-    }
+    /// Images would be displaced by a part of a cell; PETSc fails.
+    fn prepare(&mut self, time: f64, domain: &Domain<D>, again: bool) -> Result<()>;
 
     /// Solves for a configuration; `monitor` is told each iteration and its relative residual. With inertia a solve is a step from the one before.
     ///

@@ -156,17 +156,14 @@ impl<const D: usize> FlowSolver<D> for Suspension<D> {
         &self.fixed.setup
     }
 
-    fn prepare(&mut self, time: f64, again: bool) -> Result<()> {
+    fn prepare(&mut self, time: f64, domain: &Domain<D>, again: bool) -> Result<()> {
+        self.turn_to(domain.clone())?;
         self.remembers = true;
         self.recent.forget_from(if again { time.next_up() } else { time });
         if self.fixed.prescribe(time, self.inverse.as_mut())? {
             self.assembly = None;
         }
         Ok(())
-    }
-
-    fn shear_to(&mut self, domain: Domain<D>) -> Result<()> {
-        self.turn_to(domain)
     }
 
     fn resistance(&self) -> Resistance<'_, D> {

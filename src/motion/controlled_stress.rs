@@ -94,7 +94,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (mut rate, mut search) = (if state.shear.rate == 0.0 { unit.abs() } else { state.shear.rate.abs() }, Search::new(size));
         let (tolerance, mut step) = (MISSED * self.solve_tolerance(state), 0.0);
         for trial in 0..MOST_TRIALS {
-            self.turn_to_rate(state, rate * unit.signum())?;
+            self.try_rate(state, rate * unit.signum());
             let agreed = self.agree_at_rate(state, tried, trial > 0, effort, monitor)?;
             let found = shear_stress(self.suspension.setup(), &agreed.solution, &agreed.contacts) * unit.signum();
             if (found - size).abs() <= tolerance * size {
@@ -111,12 +111,10 @@ impl<const D: usize> QuasiStatic<D> {
         Err(Error::StepTooLong { text: format!("at time {} no rate goes with flow.drive.shear_stress = {stress}", state.time), step })
     }
 
-    /// Turns box, drive and steps to a rate.
-    fn turn_to_rate(&mut self, state: &State<D>, rate: f64) -> Result<()> {
+    /// From now on box, drive and steps are those of a rate.
+    fn try_rate(&mut self, state: &State<D>, rate: f64) {
         self.tried_rate = Some(rate);
-        let domain = self.domain_at(state);
-        self.step_control.shift_period = ShiftPeriod::of(&domain, self.suspension.grid());
-        self.suspension.shear_to(domain)
+        self.step_control.shift_period = ShiftPeriod::of(&self.domain_at(state), self.suspension.grid());
     }
 
     /// The time that a step takes in which the shear is followed as motions are, and the shear over it. Where images slide it is the strain that stays as it was

@@ -200,7 +200,7 @@ impl<const D: usize> QuasiStatic<D> {
     /// What is known of an instant, whose solves go on `again` from those that tried another rate.
     fn instant<'a>(&mut self, state: &'a State<D>, tried: Option<f64>, again: bool) -> Result<KnownInstant<'a, D>> {
         // where a longer step led nowhere, solves go on from those that tried it
-        self.suspension.prepare(state.time, again || tried.is_none_or(f64::is_finite))?;
+        self.suspension.prepare(state.time, &self.domain_at(state), again || tried.is_none_or(f64::is_finite))?;
         if self.evolves() {
             let resistance = self.suspension.resistance();
             let of_impulse = resistance.of_impulse;

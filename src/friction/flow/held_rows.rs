@@ -105,7 +105,7 @@ impl<const D: usize, const W: usize> FlowContacts<'_, D, W> {
         let closing = along.force.dot(&contact.normal) * contact.gap / self.immersed.step;
         let rate = compliance * guess - closing - along.force.dot(&carried(self.immersed.domain, contact));
         let pushes = self.ends(place, push).into_iter().map(|(_, push)| push).collect();
-        HeldRow { contact: place, unit: *push, guess, row: Row { ends: self.ends(place, along), pushes, rate, compliance } }
+        HeldRow { contact: place, unit: *push, guess, row: Row { pushes, ..Row::new(self.ends(place, along), rate, compliance) } }
     }
 
     /// The row of a wrench on the partner that is known, so many units: no motion counts for it.

@@ -88,7 +88,7 @@ impl<const D: usize> FlowSolver<D> for FittedFlow<D> {
         &self.setup
     }
 
-    fn prepare(&mut self, time: f64, _again: bool) -> Result<()> {
+    fn prepare(&mut self, time: f64, _domain: &Domain<D>, _again: bool) -> Result<()> {
         self.setup.prescribe(time);
         Ok(())
     }

@@ -44,7 +44,7 @@ use crate::{
     body::{Row, Twist, planes},
     error::{Error, Result},
     flow::{Convection, FluidSystem, OpenEnds, StokesInverse, fastest},
-    geometry::{Ball, fraction},
+    geometry::{Ball, Domain, fraction},
     grid::{Grid, operators::signed},
     interaction::Wrench,
     petsc::{Scatter, Session, Stage, Vector, enter},
@@ -531,7 +531,7 @@ impl<const D: usize> FlowSolver<D> for UnsteadySuspension<D> {
         &self.fixed.setup
     }
 
-    fn prepare(&mut self, time: f64, again: bool) -> Result<()> {
+    fn prepare(&mut self, time: f64, _domain: &Domain<D>, again: bool) -> Result<()> {
         self.fixed.setup.prescribe(time);
         self.forget_from(if again { time.next_up() } else { time });
         self.settle(time)?;

@@ -10,13 +10,15 @@ use super::{chains::GranularStep, ties::Ties};
 use crate::{
     body::{RigidFunctional, Row},
     contact::{
-        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, TiedContact, TiedProblem, bodies_of, pack, packed_length,
-        renamed, unpack,
+        Contact, ContactForce, Identity, ProjectionShare, RIGID, RigidBalls, TiedProblem, bodies_of, pack, packed_length, renamed, unpack,
     },
     friction::RigidTwists,
     geometry::{Ball, Domain},
     parallel::Peers,
 };
+
+/// Smallest violation, in distances of centres, that unknowns are scaled by.
+const SMALLEST_SCALE: f64 = 1e-7;
 
 /// The contacts that projections of a step have found so far.
 #[derive(Default)]
@@ -64,18 +66,19 @@ impl<const D: usize> Together<D> {
         let tied = ties.iter().flat_map(|tie| tie.ends.iter().map(|end| end.0));
         let of_clusters = clusters.iter().flat_map(|RigidBalls(balls)| balls.iter().map(|ball| ball.0));
         let bodies = own.gathered(peers, &touching.iter().copied().chain(tied).chain(of_clusters).collect());
-        let placed = |&(identity, least, presses): &(Identity<D>, f64, bool)| {
-            let contact = Contact::again(own.domain, &bodies.balls, renamed(identity, |number| bodies.place(number)));
-            TiedContact { contact, least, presses }
-        };
-        let contacts: Vec<TiedContact<D>> = contacts.iter().map(placed).collect();
+        let contact = |identity: &Identity<D>| Contact::again(own.domain, &bodies.balls, renamed(*identity, |number| bodies.place(number)));
+        let farthest = contacts.iter().map(|(identity, ..)| contact(identity).separation).fold(0.0, f64::max);
+        let row = |(identity, least, _): &(Identity<D>, f64, bool)| Row { least: *least, ..contact(identity).row(own.step.length) };
+        let rows: Vec<Row<D>> = contacts.iter().map(row).collect();
+        let presses: Vec<bool> = contacts.iter().map(|(.., presses)| *presses).collect();
         let tie = |tie: Row<D>| Row { ends: tie.ends.into_iter().map(|(number, side)| (bodies.place(number), side)).collect(), ..tie };
         let ties: Vec<Row<D>> = ties.into_iter().map(tie).collect();
         let rigid =
             |RigidBalls(balls): RigidBalls<D>| RigidBalls(balls.into_iter().map(|(number, moved)| (bodies.place(number), moved)).collect());
         let rigid: Vec<RigidBalls<D>> = clusters.into_iter().map(rigid).collect();
         let Gathered { weights, velocities, .. } = &bodies;
-        let problem = TiedProblem { weights, velocities, ties: &ties, rigid: &rigid, contacts: &contacts, step: own.step.length };
+        let smallest = SMALLEST_SCALE * farthest / own.step.length;
+        let problem = TiedProblem { weights, velocities, ties: &ties, rigid: &rigid, contacts: &rows, presses: &presses, smallest };
         let found = problem.changes(peers.rank(), peers.count());
         if peers.any(found.is_none()) {
             return None;
