@@ -20,8 +20,8 @@ pub enum Protocol {
     },
     /// A rate that a shear stress decides on the way: of what it has been the integral is known.
     Stress {
-        /// The shear stress.
-        stress: f64,
+        /// One shear stress after the other, from time 0 on.
+        stresses: &'static [RateStep],
         /// When the rate was found.
         since: f64,
         /// The integral up to then.
@@ -38,12 +38,12 @@ pub enum Protocol {
     },
 }
 
-/// A rate until a time.
+/// A rate, or a stress that decides one, until a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateStep {
     /// When it ends; infinite for the last one.
     pub until: f64,
-    /// The rate.
+    /// The rate, or the stress.
     pub rate: f64,
     /// When it begins.
     start: f64,
@@ -64,13 +64,16 @@ impl Protocol {
     /// # Panics
     /// Without any.
     pub fn steps(rates: &[(f64, f64)]) -> Protocol {
-        let (mut start, mut passed, mut steps) = (0.0, 0.0, Vec::new());
-        for &(until, rate) in rates {
-            steps.push(RateStep { until, rate, start, passed });
-            (start, passed) = (until, passed + rate * (until - start));
-        }
-        steps.last_mut().expect("a protocol has a step").until = f64::INFINITY;
-        Protocol::Steps { steps: steps.leak(), factor: 1.0 }
+        Protocol::Steps { steps: kept(rates), factor: 1.0 }
+    }
+
+    /// The rates that one stress after the other decides, each until a time; the last one goes on. At the start they are those of a fluid of this viscosity.
+    ///
+    /// # Panics
+    /// Without any.
+    pub fn of_stresses(stresses: &[(f64, f64)], viscosity: f64) -> Protocol {
+        let stresses = kept(stresses);
+        Protocol::Stress { stresses, since: 0.0, passed: 0.0, rate: stresses[0].rate / viscosity }
     }
 
     /// The rate at a time; where it jumps, that of what follows.
@@ -108,8 +111,8 @@ impl Protocol {
     pub fn scaled(&self, factor: f64) -> Protocol {
         match self {
             Protocol::Steady(rate) => Protocol::Steady(rate * factor),
-            Protocol::Stress { stress, since, passed, rate } => {
-                Protocol::Stress { stress: *stress, since: *since, passed: passed * factor, rate: rate * factor }
+            Protocol::Stress { stresses, since, passed, rate } => {
+                Protocol::Stress { stresses, since: *since, passed: passed * factor, rate: rate * factor }
             }
             Protocol::Oscillation { amplitude, frequency } => {
                 Protocol::Oscillation { amplitude: amplitude * factor, frequency: *frequency }
@@ -139,15 +142,20 @@ impl Protocol {
         }
     }
 
-    /// The shear stress that decides it, if one does.
-    pub fn stress(&self) -> Option<f64> {
-        if let Protocol::Stress { stress, .. } = self { Some(*stress) } else { None }
+    /// The shear stresses that decide it, one after the other, if it is they.
+    pub fn stresses(&self) -> Option<&'static [RateStep]> {
+        if let Protocol::Stress { stresses, .. } = self { Some(stresses) } else { None }
+    }
+
+    /// The shear stress that decides it at a time, if one does; where it jumps, that of what follows.
+    pub fn stress(&self, time: f64) -> Option<f64> {
+        self.stresses().map(|stresses| step_at(stresses, time).rate)
     }
 
     /// One that a shear stress decides, which at a time has come to an integral and goes on at a rate; any other as it is.
     pub fn found(&self, time: f64, passed: f64, rate: f64) -> Protocol {
         match *self {
-            Protocol::Stress { stress, .. } => Protocol::Stress { stress, since: time, passed, rate },
+            Protocol::Stress { stresses, .. } => Protocol::Stress { stresses, since: time, passed, rate },
             other => other,
         }
     }
@@ -157,10 +165,10 @@ impl Protocol {
         matches!(self, Protocol::Steady(_))
     }
 
-    /// The first time after a time at which the rate jumps; infinite if it never does again.
+    /// The first time after a time at which the rate jumps, or the stress that decides it; infinite if it never does again.
     pub fn next_jump(&self, time: f64) -> f64 {
         match self {
-            Protocol::Steps { steps, .. } => step_at(steps, time).until,
+            Protocol::Steps { steps, .. } | Protocol::Stress { stresses: steps, .. } => step_at(steps, time).until,
             _ => f64::INFINITY,
         }
     }
@@ -221,6 +229,17 @@ pub struct Oscillation {
     pub amplitude: f64,
     /// Cycles a time, positive.
     pub frequency: f64,
+}
+
+/// Steps, kept for as long as the program runs.
+fn kept(rates: &[(f64, f64)]) -> &'static [RateStep] {
+    let (mut start, mut passed, mut steps) = (0.0, 0.0, Vec::new());
+    for &(until, rate) in rates {
+        steps.push(RateStep { until, rate, start, passed });
+        (start, passed) = (until, passed + rate * (until - start));
+    }
+    steps.last_mut().expect("a protocol has a step").until = f64::INFINITY;
+    steps.leak()
 }
 
 fn step_at(steps: &[RateStep], time: f64) -> &RateStep {

@@ -17,7 +17,7 @@ impl<const D: usize> QuasiStatic<D> {
     pub(super) fn follow_images(&self, state: &State<D>, length: f64, factor: f64, moves: &mut [Twist<D>]) {
         let domain = self.domain_at(state);
         // what a stress decides is found as motions are, and followed as these are
-        if domain.slide().is_none_or(|slide| slide.protocol.steady() || slide.protocol.stress().is_some()) {
+        if domain.slide().is_none_or(|slide| slide.protocol.steady() || slide.protocol.stresses().is_some()) {
             return;
         }
         let (now, before) = (domain.shear_rate(), domain.clone().at(state.time - state.last_step).shear_rate());

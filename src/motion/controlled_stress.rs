@@ -118,7 +118,7 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The time that a step takes in which the shear is followed as motions are, and the shear over it. Where images slide it is the strain that stays as it was
-    /// chosen, as they slide by whole cells.
+    /// chosen, as they slide by whole cells, unless the stress jumps at its end.
     pub(super) fn shear_over(&self, state: &State<D>, step: f64) -> (f64, ShearOfStep) {
         let Some(rate) = self.tried_rate else { return (step, ShearOfStep::default()) };
         let follows = self.step_control.time.scheme != Scheme::Euler && self.last_step(state) > 0.0;
@@ -126,7 +126,7 @@ impl<const D: usize> QuasiStatic<D> {
         let mean_rate = rate + factor * (rate - state.shear.rate);
         // a rate that changes by its own size in a step is not followed
         let mean_rate = if mean_rate * rate > 0.0 { mean_rate } else { rate };
-        let slides = self.suspension.setup().domain.slide().is_some();
+        let slides = self.suspension.setup().domain.slide().is_some() && !self.step_control.ends_at_jump(state.time, step);
         let step = if slides { step * rate / mean_rate } else { step };
         (step, ShearOfStep { mean_rate, found: FoundShear { strain: state.shear.strain + mean_rate * step, rate } })
     }

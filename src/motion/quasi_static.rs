@@ -175,7 +175,7 @@ impl<const D: usize> QuasiStatic<D> {
         effort: &mut Effort,
         monitor: ResidualMonitor,
     ) -> Result<Agreed<D>> {
-        match self.suspension.setup().domain.protocol().and_then(|protocol| protocol.stress()) {
+        match self.suspension.setup().domain.protocol().and_then(|protocol| protocol.stress(state.time)) {
             Some(stress) => self.agree_at_stress(stress, state, tried, effort, monitor),
             None => self.agree_at_rate(state, tried, false, effort, monitor),
         }

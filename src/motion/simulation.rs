@@ -422,7 +422,7 @@ impl<const D: usize> Simulation<D> {
 
     /// Takes the rate of a shear that a stress decides from what has found it.
     fn follow_rate(&mut self) {
-        if self.domain.protocol().is_none_or(|protocol| protocol.stress().is_none()) {
+        if self.domain.protocol().is_none_or(|protocol| protocol.stresses().is_none()) {
             return;
         }
         let flow = self.suspension().expect("a stress shears a fluid");

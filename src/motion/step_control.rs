@@ -213,6 +213,11 @@ impl StepControl {
         if step > left * (1.0 - ROUNDING) { left } else { step }
     }
 
+    /// Whether a step from a time leads to where the rate of the shear, or the stress that decides it, jumps.
+    pub fn ends_at_jump(&self, time: f64, step: f64) -> bool {
+        self.protocol.as_ref().is_some_and(|protocol| protocol.jumps_between(time, time + step))
+    }
+
     /// Whether the rate of the shear jumped in the last step that led to a time, or at its end.
     pub fn jumped(&self, time: f64, last_step: f64) -> bool {
         self.protocol.as_ref().is_some_and(|protocol| protocol.jumps_between(time - last_step, time))

@@ -394,7 +394,7 @@ impl Summary {
 impl FlowSummary {
     fn new<const D: usize>(setup: &Setup<D>, solution: &Solution<D>) -> FlowSummary {
         let drive = match setup.drive {
-            _ if setup.protocol().is_some_and(|protocol| protocol.stress().is_some()) => "shear-stress",
+            _ if setup.protocol().is_some_and(|protocol| protocol.stresses().is_some()) => "shear-stress",
             Drive::Rest => "none",
             Drive::MeanVelocity(_) => "mean-velocity",
             Drive::PressureGradient(_) => "pressure-gradient",

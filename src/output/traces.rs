@@ -22,7 +22,7 @@ pub const REPORT: &str = "report.html";
 pub const CRATE: &str = "ro-crate-metadata.json";
 
 /// The files that a run may leave, the first one first to go; not the text of its scene, nor its calibration, which says what it is of.
-const FILES: [&str; 49] = [
+const FILES: [&str; 50] = [
     SUMMARY,
     CHECKPOINT,
     "series.csv",
@@ -46,6 +46,7 @@ const FILES: [&str; 49] = [
     "view.html",
     "viscosity.svg",
     "stress.svg",
+    "creep.svg",
     "effort.svg",
     "probe.csv",
     "pairs.csv",
@@ -75,7 +76,7 @@ const FILES: [&str; 49] = [
 ];
 
 /// Files of a run for people, and what they are.
-pub const KNOWN_FILES: [(&str, &str); 40] = [
+pub const KNOWN_FILES: [(&str, &str); 41] = [
     (SUMMARY, "the numbers of the run"),
     ("series.csv", "a row for each step"),
     ("forces.csv", "forces on bodies with prescribed motion, a row for each step"),
@@ -89,6 +90,7 @@ pub const KNOWN_FILES: [(&str, &str); 40] = [
     ("animation.png", "the run as an animated picture"),
     ("viscosity.svg", "the viscosity over the strain"),
     ("stress.svg", "the shear stress over the strain, of a shear that changes"),
+    ("creep.svg", "the strain over time, of a shear that a stress decides"),
     ("effort.svg", "what the steps cost"),
     ("pairs.svg", "the pair distribution"),
     ("pairs-map.svg", "the pair distribution in the plane of the shear"),

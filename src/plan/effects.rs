@@ -113,7 +113,7 @@ fn shear<const D: usize>(domain: &Domain<D>) -> Option<String> {
         Protocol::Oscillation { amplitude, frequency } => {
             format!("shear that oscillates by a strain of {amplitude}, {frequency} cycles a time")
         }
-        Protocol::Stress { stress, .. } => format!("shear at the rate at which its stress is {stress}"),
+        Protocol::Stress { stresses, .. } => format!("shear at the rate at which its stress is {}", steps_in_words(stresses, 1.0)),
         Protocol::Steps { steps, factor } => format!("shear at the rates {}", steps_in_words(steps, factor)),
     })
 }

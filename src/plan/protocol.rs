@@ -29,6 +29,11 @@ pub fn whole<const D: usize>(scene: &Scene, domain: Domain<D>, spacing: f64) -> 
 fn check(scene: &Scene, protocol: Protocol, cell: f64, unit: f64, scheme: Scheme) -> Result<()> {
     let key = "flow.drive.shear_rate";
     match protocol {
+        Protocol::Stress { stresses: [_, _, ..], .. } => {
+            let remedy = "changes at times at which images of the sheared box have not slid by whole cells; set method.constraint = \"sharp\", give one stress \
+                          or shear between walls (domain.y = \"walls\")";
+            return Err(scene.refuse("flow.drive.shear_stress", "[{ .. }, ..]", remedy));
+        }
         Protocol::Steady(_) | Protocol::Stress { .. } => {}
         Protocol::Oscillation { amplitude, .. } => {
             let refuse = |remedy: String| Err(scene.refuse(&format!("{key}.amplitude"), amplitude / scene.domain.size[1], &remedy));
@@ -101,6 +106,20 @@ mod tests {
             protocol("{ amplitude = 1e-3, frequency = 1.0 }").scaled(0.25),
             Protocol::Oscillation { amplitude: 1e-3, frequency: 1.0 }
         );
+    }
+
+    #[test]
+    fn stresses_that_jump_need_a_grid_that_may_be_oblique() {
+        let refusal = |constraint: &str, stress: &str| {
+            let text = format!(
+                "domain.size = [4.0, 4.0]\nresolution.spacing = 0.25\nmethod.constraint = \"{constraint}\"\n\
+                 flow.drive = {{ shear_stress = {stress}, periodic = \"sheared\" }}\nbodies = [{{ radius = 1.0, count = 1 }}]\ntime.end = 2.0\n"
+            );
+            Setup::<2>::of(&Scene::parse("scene", Path::new("."), &text, &[]).unwrap()).err().map(|error| error.to_string())
+        };
+        let jumps = "[{ until = 1.0, stress = 1.0 }, { stress = 2.0 }]";
+        assert!(refusal("penalty", jumps).unwrap().contains("shear between walls"));
+        assert_eq!([refusal("penalty", "1.0"), refusal("sharp", jumps)], [None, None]);
     }
 
     #[test]

@@ -381,8 +381,7 @@ fn check_structure_factor(scene: &Scene) -> Result<()> {
 
 /// Bodies are followed relative to a shear whose rate is known at every time.
 fn check_followed(scene: &Scene) -> Result<()> {
-    let by_stress =
-        matches!(&scene.flow.drive, Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) if protocol.stress().is_some());
+    let by_stress = scene.shear_protocol().is_some_and(|protocol| protocol.stresses().is_some());
     let remedy = "is measured relative to a shear whose rate the scene gives, and flow.drive.shear_stress finds it; give flow.drive.shear_rate or remove it";
     let asked = [("displacements", scene.output.displacements), ("velocity_autocorrelation", scene.output.velocity_autocorrelation)];
     asked.into_iter().try_for_each(|(name, on)| expect(scene, !on || !by_stress, &format!("output.{name}"), "true", remedy))

@@ -178,7 +178,8 @@ fn of_protocol(protocol: &Protocol) -> Keys {
     let key = "flow.drive.shear_rate";
     match protocol {
         Protocol::Steady(rate) => vec![number(key, *rate)],
-        Protocol::Stress { stress, .. } => vec![number("flow.drive.shear_stress", *stress)],
+        Protocol::Stress { stresses: [one], .. } => vec![number("flow.drive.shear_stress", one.rate)],
+        Protocol::Stress { stresses, .. } => vec![listed("flow.drive.shear_stress", stresses, 1.0, "stress")],
         Protocol::Oscillation { amplitude, frequency } => {
             vec![number(&format!("{key}.amplitude"), *amplitude), number(&format!("{key}.frequency"), *frequency)]
         }
@@ -189,9 +190,14 @@ fn of_protocol(protocol: &Protocol) -> Keys {
 /// Steps of what a word names.
 fn of_steps(key: &str, protocol: &Protocol, name: &str) -> Keys {
     let Protocol::Steps { steps, factor } = protocol else { return Vec::new() };
+    vec![listed(key, steps, *factor, name)]
+}
+
+/// A list of steps, each times a factor.
+fn listed(key: &str, steps: &[RateStep], factor: f64, name: &str) -> (String, String) {
     let until = |step: &RateStep| if step.until.is_finite() { format!("until = {:?}, ", step.until) } else { String::new() };
     let steps: Vec<String> = steps.iter().map(|step| format!("{{ {}{name} = {:?} }}", until(step), factor * step.rate)).collect();
-    vec![pair(key, format!("[{}]", steps.join(", ")))]
+    pair(key, format!("[{}]", steps.join(", ")))
 }
 
 fn of_resolution(resolution: &ResolutionSection) -> Keys {

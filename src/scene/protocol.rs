@@ -4,14 +4,18 @@ use super::{
     AxisSection, ConstraintMethod, ContactModel, Drive, FlowModel, Motion, Scene, Scheme, Step,
     demand::{expect, name, walled},
 };
-use crate::{error::Result, geometry::Protocol, linalg::ROUNDING};
+use crate::{
+    error::Result,
+    geometry::{Protocol, RateStep},
+    linalg::ROUNDING,
+};
 
 /// Strain of a sheared box in a fixed step at most where bodies touch.
 const MOST_STRAIN: f64 = 1.0;
 
 /// The key that a shear is given by.
 fn key(protocol: &Protocol) -> &'static str {
-    if protocol.stress().is_some() { "flow.drive.shear_stress" } else { "flow.drive.shear_rate" }
+    if protocol.stresses().is_some() { "flow.drive.shear_stress" } else { "flow.drive.shear_rate" }
 }
 
 /// Refuses a shear of images that stay, or of walls, that cannot be.
@@ -46,7 +50,7 @@ pub(super) fn check_sheared_box(scene: &Scene, protocol: &Protocol) -> Result<()
 fn check_strain(scene: &Scene, protocol: &Protocol) -> Result<()> {
     let Some(Step::Fixed(step)) = scene.time.as_ref().map(|time| time.step) else { return Ok(()) };
     let strain = protocol.most_in(step);
-    let bearable = scene.contact.model == ContactModel::None || protocol.stress().is_some() || strain <= MOST_STRAIN * (1.0 + ROUNDING);
+    let bearable = scene.contact.model == ContactModel::None || protocol.stresses().is_some() || strain <= MOST_STRAIN * (1.0 + ROUNDING);
     let remedy = format!(
         "strains the box by {strain} in one step, on whose way contacts are looked for; with contact.model it may by {MOST_STRAIN} at most: set {:.3e}, a \
          shorter one or \"auto\"",
@@ -63,13 +67,13 @@ fn check_protocol(scene: &Scene, protocol: &Protocol) -> Result<()> {
     expect(scene, scene.time.is_some(), key(protocol), shown(protocol), "changes with time; add [time] end = .., or give one rate")?;
     let remedy = "solves for walls of one velocity; set method.constraint = \"sharp\" or give flow.drive.shear_rate one rate";
     expect(scene, scene.method.constraint != ConstraintMethod::Fitted, "method.constraint", "\"fitted\"", remedy)?;
-    if protocol.stress().is_some() { check_stress(scene, protocol) } else { Ok(()) }
+    protocol.stresses().map_or(Ok(()), |stresses| check_stresses(scene, protocol, stresses))
 }
 
-/// A stress decides the rate of free bodies in Stokes flow.
-fn check_stress(scene: &Scene, protocol: &Protocol) -> Result<()> {
+/// Stresses decide the rate of free bodies in Stokes flow.
+fn check_stresses(scene: &Scene, protocol: &Protocol, stresses: &[RateStep]) -> Result<()> {
     let refused = |right: bool, remedy: &str| expect(scene, right, key(protocol), shown(protocol), remedy);
-    refused(protocol.stress() != Some(0.0), "must not be 0: nothing would flow; remove it")?;
+    refused(stresses.iter().all(|step| step.rate != 0.0), "must not be 0: nothing would flow; remove it")?;
     refused(scene.flow.model == FlowModel::Stokes, "decides the rate in Stokes flow only; give flow.drive.shear_rate")?;
     let free = scene.bodies.iter().all(|bodies| bodies.motion == Motion::Free);
     refused(free, "is that of free bodies; remove bodies.motion or give flow.drive.shear_rate")?;
@@ -121,25 +125,21 @@ fn check_walls(scene: &Scene, protocol: &Protocol) -> Result<()> {
 fn shown(protocol: &Protocol) -> String {
     match protocol {
         Protocol::Steady(rate) => rate.to_string(),
-        Protocol::Stress { stress, .. } => stress.to_string(),
+        Protocol::Stress { stresses: [one], .. } => one.rate.to_string(),
         Protocol::Oscillation { amplitude, frequency } => format!("{{ amplitude = {amplitude}, frequency = {frequency} }}"),
-        Protocol::Steps { steps, .. } => format!("[{} steps]", steps.len()),
+        Protocol::Steps { steps, .. } | Protocol::Stress { stresses: steps, .. } => format!("[{} steps]", steps.len()),
     }
 }
 
 impl Scene {
     /// Whether a shear that drives it, if one does, has one rate.
     pub fn steady_shear(&self) -> bool {
-        let changes = matches!(&self.flow.drive, Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) if !protocol.steady());
-        !changes && self.domain.load.is_none()
+        self.shear_protocol().is_none_or(Protocol::steady) && self.domain.load.is_none()
     }
 
     /// Why nothing shears the free bodies of a scene that asks for a shear, or whose walls move, where that is so.
     pub fn why_nothing_shears(&self) -> Option<String> {
-        let rests = match &self.flow.drive {
-            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => protocol.fastest() == 0.0,
-            _ => false,
-        };
+        let rests = self.shear_protocol().is_some_and(|protocol| protocol.fastest() == 0.0);
         let walls = || {
             self.domain
                 .axes
@@ -152,12 +152,16 @@ impl Scene {
         (free && (rests || alike)).then(|| format!("nothing is sheared, as {why}"))
     }
 
-    /// How the rate of the shear that drives it changes with time, if the scene says so.
+    /// How the rate of the shear that drives it, or the stress that decides it, changes with time, if the scene says so.
     pub fn changing_shear(&self) -> Option<&Protocol> {
+        let constant = |protocol: &Protocol| protocol.steady() || protocol.stresses().is_some_and(|stresses| stresses.len() == 1);
+        self.shear_protocol().filter(|protocol| !constant(protocol))
+    }
+
+    /// The rate over time of the shear that drives it, or the stresses that decide it.
+    pub fn shear_protocol(&self) -> Option<&Protocol> {
         match &self.flow.drive {
-            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => {
-                Some(protocol).filter(|protocol| !protocol.steady() && protocol.stress().is_none())
-            }
+            Some(Drive::ShearRate(protocol) | Drive::ShearedBox(protocol)) => Some(protocol),
             _ => None,
         }
     }

@@ -5,8 +5,8 @@ use crate::scene::groups::keys::{BODY_KEYS, CELL_KEYS, CHAIN_KEYS, CLUSTER_KEYS,
 use crate::scene::key::Key;
 use crate::scene::sections::{
     AXIS_KEYS, CONTACT_KEYS, DOMAIN_KEYS, DRIVE_KEYS, FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, FLOW_KEYS, FRICTION_KEYS,
-    INTERACTION_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS, TIME_KEYS,
-    UNTIL_KEYS,
+    INTERACTION_KEYS, LUBRICATION_KEYS, METHOD_KEYS, OSCILLATION_KEYS, OUTPUT_KEYS, RESOLUTION_KEYS, SPACING_KEYS, STEP_KEYS,
+    STRESS_STEP_KEYS, TIME_KEYS, UNTIL_KEYS,
 };
 
 /// A table of a scene file and the keys that it may have.
@@ -23,7 +23,7 @@ pub struct KeySection {
 }
 
 /// All sections, in the order of a scene file.
-pub const SECTIONS: [KeySection; 25] = [
+pub const SECTIONS: [KeySection; 26] = [
     KeySection { name: "top", written: "the top of the file", about: "What stands before the first section.", keys: &file::KEYS },
     KeySection { name: "domain", written: "[domain]", about: "The box and what bounds it.", keys: &DOMAIN_KEYS },
     KeySection {
@@ -45,6 +45,12 @@ pub const SECTIONS: [KeySection; 25] = [
         written: "shear_rate = [{ .. }, ..] of drive",
         about: "A step of a shear whose rate jumps.",
         keys: &STEP_KEYS,
+    },
+    KeySection {
+        name: "flow.drive.shear_stress.0",
+        written: "shear_stress = [{ .. }, ..] of drive",
+        about: "A step of a shear whose stress jumps.",
+        keys: &STRESS_STEP_KEYS,
     },
     KeySection {
         name: "flow.drive.factor",
@@ -140,6 +146,9 @@ mod tests {
             "time.until" => "[[bodies]]\nradius = 0.5\ncount = 2\n[time]\nend = 1.0",
             "flow.drive.shear_rate" => "flow.drive.shear_rate = { amplitude = 0.1, frequency = 1.0 }\n[[bodies]]\nradius = 0.5\ncount = 2",
             "flow.drive.shear_rate.0" => "flow.drive.shear_rate = [{ rate = 1.0 }]\n[[bodies]]\nradius = 0.5\ncount = 2",
+            "flow.drive.shear_stress.0" => {
+                "flow.drive.shear_stress = [{ stress = 1.0 }]\ntime.end = 1.0\n[[bodies]]\nradius = 0.5\ncount = 2"
+            }
             "flow.drive.factor" => {
                 "flow.drive = { pressure_gradient = [-1.0, 0.0], factor = { amplitude = 1.0, frequency = 1.0 } }\n[[bodies]]\nradius = 0.5\ncount = 2"
             }
@@ -213,8 +222,10 @@ mod tests {
             let name = name.replace("domain.x", "domain.y").replace("domain.z", "domain.y");
             // and so is friction
             let name = name.replace("contact.wall_friction", "contact.friction").replace("bodies.friction", "contact.friction");
-            let found = SECTIONS.iter().any(|section| section.name == name);
-            (table != found).then(|| format!("{name}: {}", key.kind))
+            let is_section = |name: &str| SECTIONS.iter().any(|section| section.name == name);
+            let steps = is_section(&format!("{name}.0"));
+            let found = is_section(&name) || steps;
+            (table != found || steps && !key.kind.contains("list of tables")).then(|| format!("{name}: {}", key.kind))
         });
         for section in SECTIONS {
             let key = Key::new("stranger", "", "", "");

@@ -26,7 +26,7 @@ pub use method::{ConstraintMethod, MethodSection, MultiplierSolver, Tolerance};
 pub(super) use output::KEYS as OUTPUT_KEYS;
 pub(in crate::scene) use output::PLANES;
 pub use output::{Colour, MOST_WITH_FORCES, OutputSection};
-pub(super) use protocol::{FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, OSCILLATION_KEYS, STEP_KEYS};
+pub(super) use protocol::{FACTOR_OSCILLATION_KEYS, FACTOR_STEP_KEYS, OSCILLATION_KEYS, STEP_KEYS, STRESS_STEP_KEYS};
 pub(super) use resolution::{KEYS as RESOLUTION_KEYS, SPACING_KEYS, SPACINGS};
 pub use resolution::{Modes, ResolutionSection, Spacing};
 pub(super) use time::{KEYS as TIME_KEYS, UNTIL_KEYS};

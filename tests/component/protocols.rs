@@ -22,6 +22,7 @@ pub fn tests() -> Vec<Test> {
         Test::of(just_after_a_reversal_contacts_bear_nothing),
         Test::of(a_tiny_oscillation_measures_the_viscosity_of_an_instant),
         Test::of(a_stress_decides_the_rate),
+        Test::of(a_stress_that_jumps_decides_the_rate_from_there_on),
         Test::only_on(1, the_structure_knows_the_strain_not_the_time),
         Test::only_on(1, an_oscillating_box_comes_back),
         Test::only_on(1, a_layer_of_fluid_is_carried_along_by_oscillating_walls),
@@ -223,6 +224,37 @@ fn a_stress_decides_the_rate(session: &Session) {
         assert!(contact_count > 0);
         let [low, high] = [f64::min, f64::max].map(|most| rates.iter().copied().reduce(most).unwrap());
         assert!(slid.abs() > low * last && slid.abs() < high * last && high > 1.01 * low, "{slid} {low} {high}");
+    }
+}
+
+/// One stress after the other: twice the stress shears twice as fast where no force is of its own, a step ends where the stress jumps, and one that turns
+/// round shears back.
+fn a_stress_that_jumps_decides_the_rate_from_there_on(session: &Session) {
+    let boxes = [("domain.size = [8.0, 8.0]", ", periodic = \"sheared\""), (WALLED, "")];
+    for (domain, periodic) in boxes {
+        let stresses = "[{ until = 0.1, stress = 2.5 }, { until = 0.2, stress = 5.0 }, { stress = -5.0 }]";
+        let drive = format!("shear_stress = {stresses}{periodic}");
+        let text = pushed(domain, &drive, 0.3).replace("contact =", "#").replace(", roughness = 0.02", "");
+        let mut instants = Vec::new();
+        run::<2>(session, &text, |simulation, observation| {
+            let (time, flow) = (simulation.state().time, simulation.suspension().unwrap());
+            let wanted = [2.5, 5.0, -5.0][[0.1, 0.2].iter().filter(|jump| time >= **jump - 1e-12).count()];
+            let found = viscosity(flow, observation);
+            assert!((found.shear_stress / wanted - 1.0).abs() < 4e-5, "{time}: {}", found.shear_stress);
+            let (rate, strain) = (flow.setup().domain.protocol().unwrap().rate(0.0), simulation.state().shear.strain);
+            instants.push((time, rate, strain, found.relative()));
+        });
+        // Stokes flow is linear: the viscosity does not know of the jump
+        for (jump, ratio) in [(0.1, 2.0), (0.2, -1.0)] {
+            let place = instants.iter().position(|instant| (instant.0 - jump).abs() < 1e-9).expect("a step ends at the jump");
+            let [before, after] = [place - 1, place].map(|place| instants[place]);
+            assert!((after.3 / before.3 - 1.0).abs() < 0.04, "{before:?} {after:?}");
+            assert!((after.1 / before.1 / ratio - 1.0).abs() < 0.04, "{before:?} {after:?}");
+        }
+        // by a half and a whole forth, then back
+        let turned = instants.iter().find(|instant| instant.0 > 0.2 - 1e-9).unwrap();
+        assert!((turned.2 / (0.1 * instants[0].1) / 3.0 - 1.0).abs() < 0.05, "{turned:?}");
+        assert!(instants.last().unwrap().2 < turned.2);
     }
 }
 

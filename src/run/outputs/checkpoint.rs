@@ -91,7 +91,7 @@ impl<const D: usize> Output<D> for CheckpointFile {
 pub fn restore<const D: usize>(world: &World, checkpoint: &Checkpoint, simulation: &mut Simulation<D>) -> Result<RunStatistics> {
     let statistics = RunStatistics::read(&checkpoint.text(STATISTICS)?)?;
     let mut state = read_state(world, checkpoint, simulation.state().count())?;
-    if simulation.domain().protocol().is_some_and(|protocol| protocol.stress().is_some()) {
+    if simulation.domain().protocol().is_some_and(|protocol| protocol.stresses().is_some()) {
         let [strain, rate] = checkpoint.shared("shear")?[..] else { return Err(misfit("shear")) };
         state.shear = FoundShear { strain, rate };
     }

@@ -1,4 +1,4 @@
-//! A shear whose rate changes: the stress over the strain as a chart, and what an oscillation measures.
+//! A shear whose rate changes: the stress over the strain as a chart, and what an oscillation measures; one that a stress decides: the strain over time.
 
 use std::path::PathBuf;
 
@@ -11,15 +11,16 @@ use crate::{
     run::{Output, View},
 };
 
-/// Draws `stress.svg`, and tells moduli.
+/// Draws `stress.svg` or `creep.svg`, and tells moduli.
 pub struct ProtocolFiles {
     /// Where it goes, and where the series is.
     pub folder: PathBuf,
 }
 
-/// Of a shear whose rate changes.
+/// Of a shear whose rate changes, or follows from a stress.
 pub fn wanted<const D: usize>(context: &Context<D>) -> Wanted<D> {
-    context.when(context.scene.changing_shear().is_some(), |context| ProtocolFiles { folder: context.path() })
+    let changes = context.scene.shear_protocol().is_some_and(|protocol| !protocol.steady());
+    context.when(changes, |context| ProtocolFiles { folder: context.path() })
 }
 
 impl<const D: usize> Output<D> for ProtocolFiles {
@@ -33,8 +34,9 @@ impl<const D: usize> Output<D> for ProtocolFiles {
         if view.viscosity.is_none() {
             return Ok(Vec::new());
         }
-        let chart = chart(&view.scene.title, &series);
-        Ok(vec![view.write_file(&self.folder, "stress.svg", chart.svg().as_bytes())?])
+        let (title, by_stress) = (&view.scene.title, view.scene.shear_protocol().is_some_and(|protocol| protocol.stresses().is_some()));
+        let (name, chart) = if by_stress { ("creep.svg", creep(title, &series)) } else { ("stress.svg", chart(title, &series)) };
+        Ok(vec![view.write_file(&self.folder, name, chart.svg().as_bytes())?])
     }
 }
 
@@ -44,6 +46,12 @@ fn chart(title: &str, series: &Columns) -> Chart {
     let name = if measured == "wall_stress" { "shear stress on the walls" } else { "shear stress" };
     let series = vec![Series { name: name.into(), points: series.curve("strain", measured) }];
     Chart { title: title.into(), x: "strain".into(), y: name.into(), scale: Scale::Linear, series }
+}
+
+/// The strain over time.
+fn creep(title: &str, series: &Columns) -> Chart {
+    let series = vec![Series { name: "strain".into(), points: series.curve("time", "strain") }];
+    Chart { title: title.into(), x: "time".into(), y: "strain".into(), scale: Scale::Linear, series }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::geometry::Protocol;
 use crate::scene::entry::Entry;
 use crate::scene::key::Key;
-use crate::scene::sections::protocol::{read as read_protocol, read_factor};
+use crate::scene::sections::protocol::{read as read_protocol, read_factor, read_stress};
 use crate::scene::table::Table;
 
 /// Keys of `flow.drive`, which exclude each other.
@@ -66,10 +66,10 @@ pub(in crate::scene) const DRIVE_KEYS: [Key; 8] = [
     .needs("domain.y = \"periodic\""),
     Key::new(
         "shear_stress",
-        "number",
+        "number, or list of tables",
         "5.0",
         "Mean shear stress of the suspension, contacts included, which decides the rate in every step: of a box whose images slide, or of walls across y that \
-        move oppositely along x.",
+        move oppositely along x. It goes by steps [{ until, stress }, ..].",
     )
     .unit("pressure")
     .range("not 0")
@@ -176,10 +176,6 @@ impl FlowSection {
 }
 
 /// A shear whose rate a stress decides, at first as in the fluid alone.
-fn decided_by_stress(stress: f64, viscosity: f64) -> Protocol {
-    Protocol::Stress { stress, since: 0.0, passed: 0.0, rate: stress / viscosity }
-}
-
 fn read_source(entry: &Entry, model: FlowModel) -> Result<f64> {
     let source = entry.number()?;
     let remedy = "only a scalar (flow.model = \"scalar\") has a source; a fluid is driven by flow.drive";
@@ -239,7 +235,7 @@ impl Drive {
             "body_force" => Drive::BodyForce(entry.vector(dimension)?),
             "mean_gradient" => Drive::MeanGradient(entry.vector(dimension)?),
             word => {
-                let protocol = if word == "shear_stress" { decided_by_stress(entry.number()?, viscosity) } else { read_protocol(&entry)? };
+                let protocol = if word == "shear_stress" { read_stress(&entry, viscosity)? } else { read_protocol(&entry)? };
                 if sheared { Drive::ShearedBox(protocol) } else { Drive::ShearRate(protocol) }
             }
         };

@@ -73,10 +73,11 @@ fn a_sheared_suspension_in_two_halves_is_the_run_in_one() {
 #[test]
 fn a_shear_whose_rate_changes_in_two_halves_is_the_run_in_one() {
     let transform = "method.inverse=transform";
-    let sliding: [&[&str]; 3] = [
+    let sliding: [&[&str]; 4] = [
         &[transform, "flow.drive={ shear_rate = [{ until = 0.25, rate = 1.0 }, { rate = -1.0 }], periodic = \"sheared\" }"],
         &[transform, "flow.drive={ shear_rate = { amplitude = 0.25, frequency = 1.0 }, periodic = \"sheared\" }"],
         &[transform, "flow.drive={ shear_stress = 4.0, periodic = \"sheared\" }", "contact.friction=0.5", "lubrication.model=pairwise"],
+        &[transform, "flow.drive={ shear_stress = [{ until = 0.2, stress = 4.0 }, { stress = -6.0 }], periodic = \"sheared\" }"],
     ];
     halves_agree("changing-sliding", SLIDING, &sliding[..2], &[1]);
     halves_agree("stress-sliding", SLIDING, &sliding[2..], &[1]);
