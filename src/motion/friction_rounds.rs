@@ -182,12 +182,13 @@ impl<const D: usize> QuasiStatic<D> {
     ) -> Result<Agreed<D>> {
         let placed = &instant.placed;
         let FirstFlow { mut solution, mut twists, wrenches, step_size } = self.first_flow::<W>(instant, effort, monitor)?;
-        let step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
+        let expected = instant.expected_step(step_size);
+        let step = if expected > 0.0 { expected } else { placed.state.last_step };
         let (network, surfaces) = (self.network(instant, step), instant.interactions.surfaces());
         let immersed = ImmersedBodies { domain: &placed.domain, balls: &placed.touching, resistance: &network, surfaces: &surfaces, step };
         let rounds = Rounds::<D, W>::new(immersed, self.may_touch(instant, &twists, step, &wrenches), &wrenches);
         let mut wrenches = wrenches_at(&rounds.contacts, &wrenches);
-        if begins_on_springs(instant) {
+        if instant.begins_on_springs() {
             // of springs the step is a part
             (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, step, self.tolerance_of(instant), effort, monitor)?;
         }
@@ -253,7 +254,7 @@ impl<const D: usize> QuasiStatic<D> {
         let rounds = Rounds::<D, W>::new(immersed, contacts, &memory);
         let (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, step, self.tolerance_of(instant), effort, monitor)?;
         let wrenches = rounds.contacts.contacts.iter().map(Contact::identity).zip(wrenches).collect();
-        let pushes = if begins_on_springs(instant) { Spring::pulled(&instant.springs, instant.pushes()) } else { instant.pushes() };
+        let pushes = if instant.begins_on_springs() { Spring::pulled(&instant.springs, instant.pushes()) } else { instant.pushes() };
         let step_size = self.step_size(placed, &twists, &pushes, instant.tried)?;
         Ok(FirstFlow { solution, twists, wrenches, step_size })
     }
@@ -278,11 +279,6 @@ impl<const D: usize> QuasiStatic<D> {
         }
         Ok((solution, twists, wrenches))
     }
-}
-
-/// Whether the first step of the run is due, and springs move in it.
-fn begins_on_springs<const D: usize>(instant: &KnownInstant<D>) -> bool {
-    instant.placed.state.last_step == 0.0 && !instant.springs.is_empty()
 }
 
 fn law_missed(time: f64, step: f64, residual: f64) -> Error {

@@ -104,7 +104,7 @@ impl<const D: usize> QuasiStatic<D> {
             rounds.active_contacts.iter().map(|active| (active.contact.row(step), active.force)).unzip();
         let flow_rows = FlowRows { rows: &rows, guess: &guess, pushes: &pushes, step, tolerance: rounds.tolerance };
         let (solution, twists) = self.flow_with(instant, &flow_rows, effort, monitor)?;
-        let begins = step == 0.0 && !springs.is_empty();
+        let begins = step == 0.0 && instant.begins_on_springs();
         let step_size = match rounds.step_size {
             Some(step_size) => step_size,
             None => {
@@ -112,16 +112,16 @@ impl<const D: usize> QuasiStatic<D> {
                 *rounds.step_size.insert(self.step_size(placed, &twists, &pushes, instant.tried)?)
             }
         };
-        if begins && step_size.natural > 0.0 {
+        let expected = instant.expected_step(step_size);
+        if begins && expected > 0.0 {
             // of springs the step is a part
-            rounds.step = step_size.natural;
+            rounds.step = expected;
             return Ok(None);
         }
         if interactions.touch() != Some(Touch::Hard) {
             return Ok(Some(Agreed { solution, twists, contacts: forces.contacts.clone(), friction: None, step_size }));
         }
-        // not the length, which the end of the run cuts short: a run that ends later must find the same
-        rounds.step = if step_size.natural > 0.0 { step_size.natural } else { placed.state.last_step };
+        rounds.step = if expected > 0.0 { expected } else { placed.state.last_step };
         self.compare(instant, rounds, RoundFlow { solution, twists, step_size }, &loose, effort)
     }
 

@@ -16,7 +16,7 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::{
     body::{RigidFunctional, Row},
-    interaction::Spring,
+    interaction::{Spring, Wrench},
 };
 
 /// Square of `z` at which a spring is half stiff: energies of free springs then fall in every step (tests).
@@ -31,7 +31,8 @@ const STIFF: f64 = 100.0;
 /// The step for which rows are made.
 #[derive(Debug, Clone, Copy)]
 pub struct StepAhead<'a, const D: usize> {
-    /// Its length; 0 if it is not known yet: then one in which no spring moves a body farther than the room it has, or any.
+    /// Its length; 0 if it is not known yet: then one in which no spring moves a body farther than the room it has, or, where all are at rest, no other force
+    /// that is known; any if there is none.
     pub length: f64,
     /// That of the step before; 0 if there was none.
     pub last: f64,
@@ -39,6 +40,8 @@ pub struct StepAhead<'a, const D: usize> {
     pub velocities: &'a [SVector<f64, D>],
     /// Force that gives each body a unit velocity.
     pub resistances: &'a [f64],
+    /// Forces on bodies besides.
+    pub pushes: &'a [Wrench<D>],
     /// How far a body may go in a step.
     pub room: f64,
     /// Least part of a force that is implicit.
@@ -50,7 +53,15 @@ impl<const D: usize> StepAhead<'_, D> {
     pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<Row<D>> {
         let length = match self.length > 0.0 {
             true => self.length,
-            false => springs.iter().map(|spring| self.room / self.fastest(spring)).fold(f64::INFINITY, f64::min),
+            false => {
+                self.room
+                    / springs
+                        .iter()
+                        .map(|spring| self.fastest(spring))
+                        .reduce(f64::max)
+                        .filter(|speed| *speed > 0.0)
+                        .unwrap_or_else(|| self.pushed())
+            }
         };
         let bent = |(spring, ahead): (&Spring<D>, &Spring<D>)| {
             if spring.smooth { ahead.value - spring.value - self.length * spring.rate(self.velocities) } else { 0.0 }
@@ -64,6 +75,11 @@ impl<const D: usize> StepAhead<'_, D> {
         let speed = |(body, gradient): &(usize, SVector<f64, D>)| gradient.norm() / self.resistances[*body];
         let force = if spring.stiffness.is_finite() { spring.stiffness * spring.value.abs() } else { 0.0 };
         force * spring.ends.iter().map(speed).fold(0.0, f64::max)
+    }
+
+    /// The largest speed that another force alone gives a body.
+    fn pushed(&self) -> f64 {
+        self.pushes.iter().zip(self.resistances).map(|(push, resistance)| push.force.norm() / resistance).fold(0.0, f64::max)
     }
 
     /// The row of a spring whose coordinate will have changed by `bent` besides what its rate makes of it.
@@ -108,9 +124,10 @@ mod tests {
         for _ in 0..steps {
             let spring = Spring { ends: vec![(0, -along), (1, along)], value: stretch[stretch.len() - 1], stiffness, smooth: false };
             let velocities = [along * (-0.5 * velocity), along * (0.5 * velocity)];
-            let row = StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], room: 1.0, least: LEAST }
-                .rows(std::slice::from_ref(&spring), std::slice::from_ref(&spring))
-                .remove(0);
+            let row =
+                StepAhead { length: step, last, velocities: &velocities, resistances: &[1.0; 2], pushes: &[], room: 1.0, least: LEAST }
+                    .rows(std::slice::from_ref(&spring), std::slice::from_ref(&spring))
+                    .remove(0);
             // rate = mobility force, and the row
             let rate = 2.0 * row.rate / (2.0 + row.compliance);
             let factor = if last > 0.0 { 0.5 * step / last } else { 0.0 };

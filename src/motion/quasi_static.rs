@@ -32,6 +32,7 @@ use crate::{
     interaction::{Arrangement, Forces, Interactions, PairForce, Spring, Touch, Wrench},
     mechanics::{FlowSolver, History},
     petsc::Session,
+    scene::Scheme,
     setup::{Configuration, State},
     system::{ResidualMonitor, Solution},
 };
@@ -89,6 +90,17 @@ impl<const D: usize> KnownInstant<'_, D> {
     /// Forces and torques on bodies that follow from where they are.
     pub(super) fn pushes(&self) -> Vec<Wrench<D>> {
         self.forces.on_bodies(self.centers.len(), &[])
+    }
+
+    /// Whether the first step of the run is due, and springs move in it.
+    pub(super) fn begins_on_springs(&self) -> bool {
+        self.placed.state.last_step == 0.0 && !self.springs.is_empty()
+    }
+
+    /// The step for which contacts and springs are looked at: not the one that the end of the run cuts short, as a run that ends later must find the same, but
+    /// in a first one on springs, of which that is a part and from whose start such a run goes on.
+    pub(super) fn expected_step(&self, step_size: StepSize) -> f64 {
+        if self.begins_on_springs() { step_size.length } else { step_size.natural }
     }
 }
 
@@ -218,7 +230,7 @@ impl<const D: usize> QuasiStatic<D> {
 
     /// What ties bodies over a step of this length.
     pub(super) fn bonds(&self, instant: &KnownInstant<D>, step: f64) -> Vec<Row<D>> {
-        [self.spring_rows(&instant.placed, &instant.springs, step), instant.interactions.welds(&instant.centers)].concat()
+        [self.spring_rows(instant, step), instant.interactions.welds(&instant.centers)].concat()
     }
 
     /// Solves the flow of an instant, and gives the motions of its bodies besides.
@@ -254,17 +266,20 @@ impl<const D: usize> QuasiStatic<D> {
     }
 
     /// The rows of springs in a step of this length from a state, 0 if it is not known yet.
-    fn spring_rows(&self, placed: &Placed<D>, springs: &[Spring<D>], length: f64) -> Vec<Row<D>> {
+    fn spring_rows(&self, instant: &KnownInstant<D>, length: f64) -> Vec<Row<D>> {
+        let KnownInstant { placed, springs, .. } = instant;
         if springs.is_empty() {
             return Vec::new();
         }
-        let state = placed.state;
+        let (state, pushes) = (placed.state, instant.pushes());
         let velocities: Vec<SVector<f64, D>> = state.bodies.iter().map(|body| body.twist.velocity).collect();
         let mut balls = placed.balls.clone();
         balls.iter_mut().zip(&velocities).for_each(|(ball, velocity)| ball.center += velocity * length);
         let ahead = self.suspension.setup().interactions.springs(&Arrangement { balls: &balls, ..self.arrangement(placed) });
         let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let step = StepAhead { length, last: state.last_step, velocities: &velocities, resistances: &self.weights, room, least: LEAST };
+        // Euler's rule does not look back
+        let last = if self.step_control.time.scheme == Scheme::Euler { 0.0 } else { state.last_step };
+        let step = StepAhead { length, last, velocities: &velocities, resistances: &self.weights, pushes: &pushes, room, least: LEAST };
         step.rows(springs, &ahead).into_iter().map(Row::as_length).collect()
     }
 

@@ -84,7 +84,7 @@ fn holds_part_of(numbers: &[usize], chain: &Range<usize>) -> bool {
 
 /// The rule of springs over a step of bodies with these velocities, and masses over the time for which they are pushed.
 fn step_ahead<'a, const D: usize>(length: f64, velocities: &'a [SVector<f64, D>], resistances: &'a [f64]) -> StepAhead<'a, D> {
-    StepAhead { length, last: 0.0, velocities, resistances, room: 0.0, least: LEAST_IMPLICIT }
+    StepAhead { length, last: 0.0, velocities, resistances, pushes: &[], room: 0.0, least: LEAST_IMPLICIT }
 }
 
 impl<const D: usize> GranularChains<D> {
