@@ -255,7 +255,7 @@ impl<const D: usize> QuasiStatic<D> {
         let (solution, twists, wrenches) = self.flow_with_friction(instant, &rounds, step, self.tolerance_of(instant), effort, monitor)?;
         let wrenches = rounds.contacts.contacts.iter().map(Contact::identity).zip(wrenches).collect();
         let pushes = if instant.begins_on_springs() { Spring::pulled(&instant.springs, instant.pushes()) } else { instant.pushes() };
-        let step_size = self.step_size(placed, &twists, &pushes, instant.tried)?;
+        let step_size = self.step_size(instant, &twists, &pushes)?;
         Ok(FirstFlow { solution, twists, wrenches, step_size })
     }
 

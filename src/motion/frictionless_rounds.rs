@@ -109,7 +109,7 @@ impl<const D: usize> QuasiStatic<D> {
             Some(step_size) => step_size,
             None => {
                 let pushes = if begins { Spring::pulled(springs, pushes) } else { pushes };
-                *rounds.step_size.insert(self.step_size(placed, &twists, &pushes, instant.tried)?)
+                *rounds.step_size.insert(self.step_size(instant, &twists, &pushes)?)
             }
         };
         let expected = instant.expected_step(step_size);

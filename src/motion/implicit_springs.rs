@@ -31,8 +31,7 @@ const STIFF: f64 = 100.0;
 /// The step for which rows are made.
 #[derive(Debug, Clone, Copy)]
 pub struct StepAhead<'a, const D: usize> {
-    /// Its length; 0 if it is not known yet: then one in which no spring moves a body farther than the room it has, or, where all are at rest, no other force
-    /// that is known; any if there is none.
+    /// Its length; 0 if it is not known yet: then the [first](Self::first) one.
     pub length: f64,
     /// That of the step before; 0 if there was none.
     pub last: f64,
@@ -51,23 +50,18 @@ pub struct StepAhead<'a, const D: usize> {
 impl<const D: usize> StepAhead<'_, D> {
     /// The rows of springs, of which `ahead` are as they will be if bodies go on with the velocities of the last step.
     pub fn rows(&self, springs: &[Spring<D>], ahead: &[Spring<D>]) -> Vec<Row<D>> {
-        let length = match self.length > 0.0 {
-            true => self.length,
-            false => {
-                self.room
-                    / springs
-                        .iter()
-                        .map(|spring| self.fastest(spring))
-                        .reduce(f64::max)
-                        .filter(|speed| *speed > 0.0)
-                        .unwrap_or_else(|| self.pushed())
-            }
-        };
+        let length = if self.length > 0.0 { self.length } else { self.first(springs) };
         let bent = |(spring, ahead): (&Spring<D>, &Spring<D>)| {
             if spring.smooth { ahead.value - spring.value - self.length * spring.rate(self.velocities) } else { 0.0 }
         };
         let row = |(spring, ahead): (&Spring<D>, &Spring<D>)| self.row(length, spring, bent((spring, ahead)));
         springs.iter().zip(ahead).map(row).collect()
+    }
+
+    /// The step in which no spring moves a body farther than the room it has, or, where all are at rest, no other force that is known; infinite if there is none.
+    pub fn first(&self, springs: &[Spring<D>]) -> f64 {
+        let by_springs = springs.iter().map(|spring| self.fastest(spring)).fold(0.0, f64::max);
+        self.room / if by_springs > 0.0 { by_springs } else { self.pushed() }
     }
 
     /// The largest speed that a spring alone gives a body; zero for a rod.

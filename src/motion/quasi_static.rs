@@ -276,11 +276,21 @@ impl<const D: usize> QuasiStatic<D> {
         let mut balls = placed.balls.clone();
         balls.iter_mut().zip(&velocities).for_each(|(ball, velocity)| ball.center += velocity * length);
         let ahead = self.suspension.setup().interactions.springs(&Arrangement { balls: &balls, ..self.arrangement(placed) });
-        let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
         // Euler's rule does not look back
         let last = if self.step_control.time.scheme == Scheme::Euler { 0.0 } else { state.last_step };
-        let step = StepAhead { length, last, velocities: &velocities, resistances: &self.weights, pushes: &pushes, room, least: LEAST };
+        let step = StepAhead { length, last, velocities: &velocities, ..self.first_step(&pushes) };
         step.rows(springs, &ahead).into_iter().map(Row::as_length).collect()
+    }
+
+    /// The first step of springs, of which nothing is known but forces.
+    fn first_step<'a>(&'a self, pushes: &'a [Wrench<D>]) -> StepAhead<'a, D> {
+        let room = self.step_control.time.travel * self.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        StepAhead { length: 0.0, last: 0.0, velocities: &[], resistances: &self.weights, pushes, room, least: LEAST }
+    }
+
+    /// The longest first step of the run on springs: of its error nothing is known, and they may come to rest within it. Infinite for others.
+    pub(super) fn first_step_on_springs(&self, instant: &KnownInstant<D>) -> f64 {
+        if instant.begins_on_springs() { self.first_step(&instant.pushes()).first(&instant.springs) } else { f64::INFINITY }
     }
 
     /// The contacts that stick after a step with these forces.

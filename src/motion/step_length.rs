@@ -25,13 +25,14 @@ const FIRST: f64 = 3.0;
 
 impl<const D: usize> QuasiStatic<D> {
     /// The step to take with these motions and forces.
-    pub(super) fn step_size(&self, placed: &Placed<D>, twists: &[Twist<D>], pushes: &[Wrench<D>], tried: Option<f64>) -> Result<StepSize> {
+    pub(super) fn step_size(&self, instant: &KnownInstant<D>, twists: &[Twist<D>], pushes: &[Wrench<D>]) -> Result<StepSize> {
+        let KnownInstant { placed, tried, .. } = instant;
         let (state, travel) = (placed.state, self.step_control.time.travel);
         let first = if self.last_step(state) == 0.0 { FIRST * self.time_in_box(state, twists) } else { f64::INFINITY };
         let moved = (travel * self.time_of_travel(placed, twists).min(first)).min(self.accurate_step(placed, twists));
         let given = self.suspension.setup().trajectories.longest_step(state.time, |body| travel * self.radii[body]);
         let stable = self.suspension.evolution().map_or(Ok(f64::INFINITY), |evolution| evolution.longest_step(pushes))?;
-        let accurate = given.min(moved);
+        let accurate = given.min(moved).min(self.first_step_on_springs(instant));
         // a fixed step that is half taken was not split
         let whole = tried.is_none() && self.step_control.time.step != Step::Auto;
         let last_step = if whole && self.step_control.protocol.is_none() { 0.0 } else { self.last_step(state) };

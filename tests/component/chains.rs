@@ -18,6 +18,7 @@ use crate::Test;
 pub fn tests() -> Vec<Test> {
     vec![
         Test::of(beads_on_a_spring_relax_at_second_order_in_steps_of_any_length),
+        Test::of(a_chain_at_rest_that_is_pulled_is_followed_from_its_first_step),
         Test::of(a_stiff_chain_of_rods_moves_as_one_body),
         Test::only_on(1, a_stiff_chain_on_fixed_joints_moves_as_the_rigid_cluster_of_its_beads),
         Test::of(a_bent_chain_becomes_straight_and_a_ring_round_without_moving_off),
@@ -70,6 +71,31 @@ fn beads_on_a_spring_relax_at_second_order_in_steps_of_any_length(session: &Sess
     for stretch in [1e2, 1e5, 1e9] {
         let at_rest = distance(stretch, 0.5, 5.0);
         assert!((at_rest - 3.0).abs() < 2e-3, "{at_rest} with {stretch}");
+    }
+}
+
+/// Four beads whose ends are pulled: three springs of which each grows by 2/40. The first step is no longer than what pulls lets it be, whenever the run ends,
+/// and Euler's rule follows the springs as it does everything else.
+fn a_chain_at_rest_that_is_pulled_is_followed_from_its_first_step(session: &Session) {
+    let length = |time: &str| {
+        let text = format!(
+            "domain = {{ size = [8.0, 4.0], x = \"walls\", y = \"walls\" }}\nresolution = {{ cells_per_radius = 4 }}\n\
+             chains = [{{ centers = [[3.01, 2.0], [3.67, 2.0], [4.33, 2.0], [4.99, 2.0]], beads = 4, radius = 0.3, spacing = 1.1, stretch = 40.0 }}]\n\
+             interactions = [{{ body_force = [\"f * max(-1, min(1, 100 * (x - 4))) * max(0, min(1, (abs(x - 4) - 0.7) / 0.1))\", \"0\"], \
+             constants = {{ f = 2.0 }} }}]\ntime = {{ {time} }}\n"
+        );
+        let centers = run::<2>(session, &text);
+        centers.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>()
+    };
+    for (end, wanted) in [(30.0, 2.13), (120.0, 2.13)] {
+        let found = length(&format!("end = {end:?}"));
+        assert!((found - wanted).abs() < 1e-4, "{found} at {end}");
+    }
+    // on the way there
+    let wanted = length("end = 3.0, step = 0.02");
+    for (time, bound) in [("end = 3.0", 1e-2), ("end = 3.0, error = 1e-5", 2e-3), ("end = 3.0, step = 0.1, scheme = \"euler\"", 5e-3)] {
+        let found = length(time);
+        assert!((found - wanted).abs() < bound, "{found} for {wanted}: {time}");
     }
 }
 
