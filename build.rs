@@ -4,7 +4,7 @@ use std::{env, fs, path::PathBuf};
 
 const FUNCTIONS: &str = "Petsc(Initialize|Finalize|Initialized|ErrorMessage|PushErrorHandler|IgnoreErrorHandler|ReturnErrorHandler|\
     Options(SetValue|InsertString|GetReal|LeftGet|LeftRestore)|MallocGetMaximumUsage|MemoryGetCurrentUsage|ObjectReference|OptionsHasName|\
-    LogStage(Register|Push|Pop)|LogGetStageLog)|\
+    LogStage(Register|Push|Pop|GetPerfInfo)|Log(GetStageLog|DefaultBegin))|\
     Vec.*|Mat.*|KSP.*|PC.*|IS.*|mallinfo2";
 
 /// The variable of the environment that chooses between the builds of PETSc.
@@ -20,6 +20,7 @@ fn main() {
     println!("cargo:rerun-if-env-changed={INDEX_BITS}");
     let petsc = petsc();
     check_solvers(&petsc);
+    tell_kind_of_log(&petsc);
     let mpi = probe("ompi-c", "libopenmpi-dev");
     tell_versions(&petsc, &mpi);
     let includes = petsc.include_paths.iter().chain(&mpi.include_paths).map(|path| format!("-I{}", path.display()));
@@ -62,6 +63,15 @@ fn check_solvers(petsc: &pkg_config::Library) {
     for solver in ["HYPRE", "MUMPS", "SUITESPARSE"] {
         let built = settings.lines().any(|line| line.trim_end() == format!("#define PETSC_HAVE_{solver} 1"));
         assert!(built, "this PETSc was built without {solver}; use Debian's, or configure it with --download-{}", solver.to_lowercase());
+    }
+}
+
+/// Says to the program whether PETSc tells what a stage took by a function, as it does since 3.20: before, by its lists alone.
+fn tell_kind_of_log(petsc: &pkg_config::Library) {
+    let headers = petsc.include_paths.iter().filter_map(|path| fs::read_to_string(path.join("petsclog.h")).ok());
+    println!("cargo:rustc-check-cfg=cfg(petsc_log_handlers)");
+    if headers.into_iter().any(|header| header.contains("PetscLogStageGetPerfInfo")) {
+        println!("cargo:rustc-cfg=petsc_log_handlers");
     }
 }
 

@@ -3,7 +3,7 @@
 //! A stage counts from [`enter`] to the drop of its guard, without the stages entered in between. Without a [`Profile`]
 //! nothing is registered and `enter` does nothing. The stages are PETSc's: `-- -log_view` shows them too.
 
-use std::{ffi::CString, ptr::null_mut, sync::OnceLock};
+use std::{ffi::CString, sync::OnceLock};
 
 use super::{ffi, petsc};
 use crate::error::{Error, Result};
@@ -98,6 +98,8 @@ impl Profile {
     /// # Errors
     /// PETSc refuses a stage, or a profile was started before.
     pub fn start() -> Result<Profile> {
+        #[cfg(petsc_log_handlers)]
+        petsc!(PetscLogDefaultBegin())?;
         let mut numbers = [0; STAGES.len()];
         for (stage, number) in STAGES.iter().zip(&mut numbers) {
             let name = CString::new(stage.name()).expect("names of stages are plain text");
@@ -113,23 +115,38 @@ impl Profile {
     /// PETSc keeps no log.
     pub fn finish(self) -> Result<Vec<StageCounts>> {
         drop(self.rest);
-        let mut log = null_mut();
-        petsc!(PetscLogGetStageLog(&mut log))?;
         let numbers = NUMBERS.get().expect("a profile has registered its stages");
         let counts = |(stage, number): (&Stage, &ffi::PetscLogStage)| {
-            // PETSc numbers stages by their place in this list
-            let info = unsafe { (*(*log).stageInfo.add(*number as usize)).perfInfo };
-            StageCounts {
+            let info = logged(*number)?;
+            Ok(StageCounts {
                 stage: *stage,
                 seconds: info.time,
                 messages: 0.5 * info.numMessages,
                 bytes: 0.5 * info.messageLength,
                 collectives: info.numReductions,
                 flops: info.flops,
-            }
+            })
         };
-        Ok(STAGES.iter().zip(numbers).map(counts).collect())
+        STAGES.iter().zip(numbers).map(counts).collect()
     }
+}
+
+/// What PETSc has logged of a stage.
+#[cfg(petsc_log_handlers)]
+fn logged(number: ffi::PetscLogStage) -> Result<ffi::PetscEventPerfInfo> {
+    let mut info = std::mem::MaybeUninit::zeroed();
+    petsc!(PetscLogStageGetPerfInfo(number, info.as_mut_ptr()))?;
+    // numbers and pointers, for which zeros are values too
+    Ok(unsafe { info.assume_init() })
+}
+
+/// What PETSc has logged of a stage.
+#[cfg(not(petsc_log_handlers))]
+fn logged(number: ffi::PetscLogStage) -> Result<ffi::PetscEventPerfInfo> {
+    let mut log = std::ptr::null_mut();
+    petsc!(PetscLogGetStageLog(&mut log))?;
+    // PETSc numbers stages by their place in this list
+    Ok(unsafe { (*(*log).stageInfo.add(number as usize)).perfInfo })
 }
 
 /// From now to the drop of the guard what happens counts for a stage; free if no profile is kept.
