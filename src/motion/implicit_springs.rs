@@ -58,10 +58,9 @@ impl<const D: usize> StepAhead<'_, D> {
         springs.iter().zip(ahead).map(row).collect()
     }
 
-    /// The step in which no spring moves a body farther than the room it has, or, where all are at rest, no other force that is known; infinite if there is none.
+    /// The step in which no spring and no other force alone moves a body farther than the room it has; infinite if there is none.
     pub fn first(&self, springs: &[Spring<D>]) -> f64 {
-        let by_springs = springs.iter().map(|spring| self.fastest(spring)).fold(0.0, f64::max);
-        self.room / if by_springs > 0.0 { by_springs } else { self.pushed() }
+        self.room / springs.iter().map(|spring| self.fastest(spring)).fold(self.pushed(), f64::max)
     }
 
     /// The largest speed that a spring alone gives a body; zero for a rod.
